@@ -1,0 +1,76 @@
+"""What a frame costs to write and to read, beside python-osc in the same run.
+
+    python benchmarks/protocol.py
+
+Absolute times are this machine's; the ratio is what to look at.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from timeit import repeat
+
+from pythonosc.osc_bundle import OscBundle
+from pythonosc.osc_bundle_builder import OscBundleBuilder
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from halo_protocol import Assembler, Frame, Pointer, decode, encode_frame, parse_osc
+
+HEADER = Frame("desk", "s1", 1, 1_700_000_000, 500_000, 10)
+POINTERS = [
+    Pointer(i, i, 2, 1, 1, 0.5, 0.25, 150.0, 50.0, 0.0, 0.5, 1.0, 2.0, 0.9, 3, -1.0)
+    for i in range(10)
+]
+(DATAGRAM,) = encode_frame("table", HEADER, POINTERS)
+ARGUMENTS = parse_osc(DATAGRAM)
+
+
+def theirs_written() -> bytes:
+    """The same frame by python-osc's builders, types given, so that it need not guess them."""
+    # It says int and means seconds, with their fraction.
+    builder = OscBundleBuilder(HEADER.time_us / 1e6)  # type: ignore[arg-type]
+    for address, arguments in ARGUMENTS:
+        message = OscMessageBuilder(address)
+        for argument in arguments:
+            kind = "s" if isinstance(argument, str) else "f" if isinstance(argument, float) else "i"
+            message.add_arg(argument, kind)
+        builder.add_content(message.build())
+    return bytes(builder.build().dgram)
+
+
+def theirs_read() -> int:
+    """The same datagram by python-osc, as far as we go: addresses and values."""
+    return sum(len(message.params) for message in OscBundle(DATAGRAM))
+
+
+def best_us(action: Callable[[], object], number: int = 200) -> float:
+    """The best of several runs: what it costs when nobody else is busy."""
+    return min(repeat(action, number=number, repeat=7)) / number * 1e6
+
+
+def main() -> int:
+    """Print the table."""
+    if theirs_written() != DATAGRAM:
+        raise SystemExit("the two wrote different bytes: there is nothing to compare")
+    rows = [
+        (
+            "write 10 pointers",
+            best_us(lambda: encode_frame("table", HEADER, POINTERS)),
+            best_us(theirs_written),
+        ),
+        ("read 10 pointers", best_us(lambda: decode(DATAGRAM)), best_us(theirs_read)),
+        (
+            "read and assemble",
+            best_us(lambda: Assembler().receive_data(DATAGRAM, 0.0)),
+            best_us(theirs_read),
+        ),
+    ]
+    print(f"{len(DATAGRAM)} bytes        ours       python-osc   ratio")
+    for name, ours, theirs in rows:
+        print(f"{name:18} {ours:7.1f} us {theirs:9.1f} us {theirs / ours:6.1f}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,97 @@
+"""What a message must be beyond its types, checked in both directions.
+
+Rule: only what a reader may rely on without looking (names it keys by, counts it allots for,
+sizes it divides by). An enumeration's number is not checked: a newer minor may add one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from halo_protocol.counter import MODULUS
+from halo_protocol.errors import ProtocolError
+from halo_protocol.messages import (
+    Alive,
+    Down,
+    Frame,
+    Health,
+    Homography,
+    Pointer,
+    Pose,
+    Scene,
+    Up,
+)
+from halo_protocol.names import check_name
+from halo_protocol.version import parse_version
+
+MAX_POINTERS = 64
+"""Fingers of three people and more; the alive list then still leaves room in each datagram."""
+MAX_EVENTS = 256
+"""Downs and ups of one frame: for each of 64 pointers its own, and what is repeated."""
+
+
+def _require(condition: bool, sentence: str) -> None:
+    if not condition:
+        raise ProtocolError(sentence)
+
+
+def _sender(message: Frame | Scene | Homography | Pose | Health) -> None:
+    check_name(message.node, "node")
+    check_name(message.session, "session")
+
+
+def _frame(message: Frame) -> None:
+    _sender(message)
+    _require(0 <= message.frame < MODULUS, f"frame must be 0 to 2^31 - 1, not {message.frame}")
+    _require(message.time_s >= 0, f"time_s must not be negative: {message.time_s}")
+    fraction = message.time_frac_us
+    _require(0 <= fraction < 1_000_000, f"time_frac_us must be 0 to 999999, not {fraction}")
+    count = message.count
+    _require(0 <= count <= MAX_POINTERS, f"count must be 0 to {MAX_POINTERS}, not {count}")
+
+
+def _counted(message: Pointer | Down | Up) -> None:
+    if message.id < 0 or message.slot < 0 or message.contacts < 0:
+        raise ProtocolError(
+            f"id, slot and contacts must not be negative: "
+            f"{message.id}, {message.slot}, {message.contacts}"
+        )
+
+
+def _alive(message: Alive) -> None:
+    ids = message.ids
+    _require(len(ids) <= MAX_POINTERS, f"at most {MAX_POINTERS} pointers live, not {len(ids)}")
+    _require(len(set(ids)) == len(ids), "the alive list names an id twice")
+
+
+def _scene(message: Scene) -> None:
+    _sender(message)
+    parse_version(message.version)
+    size = f"{message.width_mm} x {message.height_mm}"
+    _require(message.width_mm > 0 and message.height_mm > 0, f"a surface has a size, not {size}")
+
+
+def _homography(message: Homography) -> None:
+    _sender(message)
+    size = f"{message.width_px} x {message.height_px}"
+    _require(message.width_px > 0 and message.height_px > 0, f"a projector has pixels, not {size}")
+
+
+def _pose(message: Pose) -> None:
+    _sender(message)
+    _require(message.anchored in (0, 1), f"anchored must be 0 or 1, not {message.anchored}")
+
+
+CHECKS: dict[Any, Callable[[Any], None]] = {
+    Frame: _frame,
+    Pointer: _counted,
+    Alive: _alive,
+    Down: _counted,
+    Up: _counted,
+    Scene: _scene,
+    Homography: _homography,
+    Pose: _pose,
+    Health: _sender,
+}
+"""Message class -> what raises `ProtocolError` when such a message cannot be relied on."""

@@ -1,0 +1,276 @@
+"""What is said on the wire, as frozen values.
+
+Rule: values only. Field names and their order are those of the table in `table.py` (a test
+holds the two together); a unit stands under each field whose name does not say it all.
+Numbers stay plain `int` and `float`: a newer minor version may send an enumeration's number
+that is not known here, and a reader keeps it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Hand(IntEnum):
+    """Which hand a pointer belongs to."""
+
+    UNKNOWN = 0
+    LEFT = 1
+    RIGHT = 2
+
+
+class Finger(IntEnum):
+    """Which finger a pointer is."""
+
+    THUMB = 0
+    INDEX = 1
+    MIDDLE = 2
+    RING = 3
+    LITTLE = 4
+
+
+class State(IntEnum):
+    """Whether a pointer is in the air or on the surface."""
+
+    HOVER = 0
+    TOUCH = 1
+
+
+class Calibration(IntEnum):
+    """How much of a profile the service has."""
+
+    NONE = 0
+    """No profile: frames carry no pointers."""
+    PARTIAL = 1
+    """Some steps are missing: what the pointers say is coarser than it could be."""
+    COMPLETE = 2
+
+
+class Source(IntEnum):
+    """What stands behind the pointers; a client never has to guess."""
+
+    CAMERA = 0
+    RECORDING = 1
+    VIRTUAL = 2
+
+
+class Tracker(IntEnum):
+    """What the hand tracker is doing."""
+
+    OFF = 0
+    STARTING = 1
+    SEARCHING = 2
+    """Running, and sees no hand."""
+    TRACKING = 3
+    FAILED = 4
+
+
+class Camera(IntEnum):
+    """What the source of frames is doing."""
+
+    STARTING = 0
+    RUNNING = 1
+    LOST = 2
+    """Unplugged or silent; the service tries to get it back."""
+    ENDED = 3
+    """A recording reached its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """The header of a frame."""
+
+    node: str
+    """Name of the service that sends, `[a-z0-9_-]{1,32}`."""
+    session: str
+    """Name of this run of the service, likewise; new at every start."""
+    frame: int
+    """Counts up modulo 2^31, never backwards over a restart."""
+    time_s: int
+    """Whole seconds of the frame's time: Unix time when live, the file's own time in replay."""
+    time_frac_us: int
+    """The rest of it, 0 to 999999 microseconds."""
+    count: int
+    """Pointers of the whole frame, over all of its datagrams."""
+
+    @property
+    def time_us(self) -> int:
+        """The frame's time in one number, microseconds."""
+        return self.time_s * 1_000_000 + self.time_frac_us
+
+
+@dataclass(frozen=True, slots=True)
+class Pointer:
+    """One fingertip above or on the surface, at the frame's time."""
+
+    id: int
+    """Grows, and is not given to another finger while anyone could remember it."""
+    slot: int
+    """The lowest small number that was free; 0 to 9 from this service."""
+    hand: int
+    """A `Hand`."""
+    finger: int
+    """A `Finger`."""
+    state: int
+    """A `State`."""
+    u: float
+    """x over the surface's width; 0 left, 1 right, not clamped."""
+    v: float
+    """y over the surface's height; 0 far edge, 1 near edge, not clamped."""
+    x_mm: float
+    """On the surface, from its top left corner as the user sits, to the right."""
+    y_mm: float
+    """Likewise, towards the user."""
+    hover_mm: float
+    """Height of the pad above the surface; 0 in touch."""
+    pressure: float
+    """0 in hover; in touch at least 0.02, 1 at the calibrated medium press, more beyond."""
+    vx_mm_s: float
+    """Velocity on the surface, to the right."""
+    vy_mm_s: float
+    """Likewise, towards the user."""
+    confidence: float
+    """0 to 1."""
+    contacts: int
+    """How many touches this pointer has begun."""
+    force_g: float
+    """Grams; -1 where the press's true force is not known."""
+
+    @property
+    def touching(self) -> bool:
+        """Whether the pointer is on the surface."""
+        return self.state == State.TOUCH
+
+
+@dataclass(frozen=True, slots=True)
+class Alive:
+    """Who is alive: the full list of the frame's pointers."""
+
+    ids: tuple[int, ...]
+    """The `id` of each live pointer, over all datagrams of the frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class Down:
+    """A touch began; by `contacts`, its three copies are counted once."""
+
+    id: int
+    """The pointer's."""
+    slot: int
+    """The pointer's."""
+    u: float
+    """Where it happened, over the surface's width."""
+    v: float
+    """Likewise, over its height."""
+    strike_mm_s: float
+    """How fast the finger came down; -1 where that is not known."""
+    ago_ms: float
+    """How long before the frame's time it happened."""
+    contacts: int
+    """The pointer's `contacts` with this touch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Up:
+    """A touch ended; counted once, likewise."""
+
+    id: int
+    """The pointer's."""
+    slot: int
+    """The pointer's."""
+    u: float
+    """Where it happened, over the surface's width."""
+    v: float
+    """Likewise, over its height."""
+    ago_ms: float
+    """How long before the frame's time it happened."""
+    contacts: int
+    """The number of the touch that ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a client must know before it understands a frame."""
+
+    node: str
+    """As in the frame's header."""
+    session: str
+    """As in the frame's header."""
+    version: str
+    """The protocol's version, `major.minor.patch`."""
+    width_mm: float
+    """The surface's size, left to right."""
+    height_mm: float
+    """Likewise, far edge to near edge."""
+    calibration: int
+    """A `Calibration`."""
+    revision: int
+    """Counts the changes of surface, homography and pose in this session."""
+    source: int
+    """A `Source`."""
+    rate_hz: float
+    """Frames a second that the source should deliver; 0 where it has no rate of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Homography:
+    """Where a projector's pixels are on the surface."""
+
+    node: str
+    """As in the frame's header."""
+    session: str
+    """As in the frame's header."""
+    revision: int
+    """The scene's `revision` that it belongs to."""
+    width_px: int
+    """The projector's picture."""
+    height_px: int
+    """Likewise."""
+    projector_from_surface: tuple[float, ...]
+    """9 floats, row by row: surface mm -> projector pixels, (0, 0) at the corner of the first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the camera and a printed marker are."""
+
+    node: str
+    """As in the frame's header."""
+    session: str
+    """As in the frame's header."""
+    revision: int
+    """The scene's `revision` that it belongs to."""
+    camera_from_surface: tuple[float, ...]
+    """12 floats, 3x4 row by row, mm: p_camera = M p_surface; the depth camera's frame."""
+    anchor_from_surface: tuple[float, ...]
+    """Likewise for the printed marker; 12 zeros where `anchored` is 0."""
+    anchored: int = 1
+    """1 where `anchor_from_surface` is known, else 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """How the service fares, over the last second."""
+
+    node: str
+    """As in the frame's header."""
+    session: str
+    """As in the frame's header."""
+    fps: float
+    """Frames sensed a second."""
+    latency_ms: float
+    """Median from frame received to packet sent; -1 where not known."""
+    drops: int
+    """Frames that the camera made and the service did not sense, in this session."""
+    bad_frames: int
+    """Frames that could not be sensed (no depth, all zero, a jump in time), in this session."""
+    tracker: int
+    """A `Tracker`."""
+    camera: int
+    """A `Camera`."""
+    tracker_ms: float = -1.0
+    """Median age of the hands that a frame was sensed with; -1 where not known."""
+
+
+Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

@@ -1,0 +1,139 @@
+"""The table: what is on the wire, one row a message.
+
+Rule: reading and writing are derived from these rows, and from nothing else. A field is
+`name:type`, the types are OSC's `i` (int32), `f` (float32) and `s` (string), because clients
+are known that lose every argument after a stranger type. `f9` is nine in a row, `i*` any number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
+from struct import Struct
+from typing import Any
+
+from halo_protocol import messages
+
+FRAME = "node:s session:s frame:i time_s:i time_frac_us:i count:i"  # append; never reorder
+POINTER = (
+    "id:i slot:i hand:i finger:i state:i u:f v:f x_mm:f y_mm:f hover_mm:f pressure:f "
+    "vx_mm_s:f vy_mm_s:f confidence:f contacts:i force_g:f"  # append; never reorder
+)
+ALIVE = "ids:i*"  # complete as it is: nothing can be appended to an open list
+DOWN = "id:i slot:i u:f v:f strike_mm_s:f ago_ms:f contacts:i"  # append; never reorder
+UP = "id:i slot:i u:f v:f ago_ms:f contacts:i"  # append; never reorder
+SCENE = (
+    "node:s session:s version:s width_mm:f height_mm:f "
+    "calibration:i revision:i source:i rate_hz:f"  # append; never reorder
+)
+HOMOGRAPHY = (
+    "node:s session:s revision:i width_px:i height_px:i "
+    "projector_from_surface:f9"  # append; never reorder
+)
+POSE = (
+    "node:s session:s revision:i "
+    "camera_from_surface:f12 anchor_from_surface:f12 anchored:i"  # append; never reorder
+)
+HEALTH = (
+    "node:s session:s fps:f latency_ms:f drops:i bad_frames:i "
+    "tracker:i camera:i tracker_ms:f"  # append; never reorder
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a row."""
+
+    name: str
+    tag: str
+    """`i`, `f` or `s`."""
+    length: int | None
+    """How many arguments it takes; None for any number, which only a last field can be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Neighbouring arguments that one `struct` reads and writes; a string stands alone."""
+
+    numbers: Struct | None
+    """None for a string."""
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A message: its place in the address, its class and its compiled fields."""
+
+    kind: str
+    message: Callable[..., messages.Message]
+    when: str
+    """When a service sends it, for the reader of the specification."""
+    fields: tuple[Field, ...]
+    tags: str
+    """The OSC type tags of all fields of a fixed length, without the comma."""
+    runs: tuple[Run, ...]
+    open_list: bool
+    """Whether the row is one field of any length."""
+    plain: bool
+    """Whether each field is one argument."""
+    fetch: Callable[[Any], tuple[Any, ...]]
+    """Message -> its fields' values."""
+
+    @classmethod
+    def of(cls, kind: str, message: Callable[..., messages.Message], text: str, when: str) -> Row:
+        """Compile one line of the table."""
+        fields = tuple(map(_field, text.split()))
+        tags = "".join(field.tag * (field.length or 0) for field in fields)
+        names = [field.name for field in fields]
+        fetch = attrgetter(*names)
+        return cls(
+            kind=kind,
+            message=message,
+            when=when,
+            fields=fields,
+            tags=tags,
+            runs=tuple(_runs(tags)),
+            open_list=fields[-1].length is None,
+            plain=all(field.length == 1 for field in fields),
+            # attrgetter of one name hands back the bare value.
+            fetch=fetch if len(names) > 1 else lambda message: (fetch(message),),
+        )
+
+
+def _field(text: str) -> Field:
+    name, _, kind = text.partition(":")
+    tag, length = kind[0], kind[1:]
+    return Field(name, tag, None if length == "*" else int(length or 1))
+
+
+def _runs(tags: str) -> list[Run]:
+    runs: list[Run] = []
+    for is_string, group in groupby(tags, lambda tag: tag == "s"):
+        run = "".join(group)
+        runs += [Run(None, 1)] * len(run) if is_string else [Run(Struct(f">{run}"), len(run))]
+    return runs
+
+
+ROWS = (
+    Row.of("frame", messages.Frame, FRAME, "first in each datagram of a frame"),
+    Row.of("pointer", messages.Pointer, POINTER, "one for each live pointer"),
+    Row.of("alive", messages.Alive, ALIVE, "last in each datagram of a frame, the full list"),
+    Row.of("down", messages.Down, DOWN, "in the frame of the touch and in the next two"),
+    Row.of("up", messages.Up, UP, "in the frame of the release and in the next two"),
+    Row.of("scene", messages.Scene, SCENE, "on change and twice a second"),
+    Row.of(
+        "homography",
+        messages.Homography,
+        HOMOGRAPHY,
+        "on change and twice a second, while it is known",
+    ),
+    Row.of(
+        "pose", messages.Pose, POSE, "on change and twice a second, while the camera's is known"
+    ),
+    Row.of("health", messages.Health, HEALTH, "once a second"),
+)
+
+ROW_OF_KIND = {row.kind: row for row in ROWS}
+ROW_OF_MESSAGE: dict[Any, Row] = {row.message: row for row in ROWS}

@@ -1,0 +1,36 @@
+"""What all tests share: strangers' programs are used where installed; in CI none may be missing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session")
+def stranger() -> Callable[[str], str]:
+    """Return the path of somebody else's program; skip by name where it is not installed."""
+
+    def find(program: str) -> str:
+        path = shutil.which(program)
+        if path is None:
+            if os.environ.get("HALO_CI"):
+                pytest.fail(f"{program} is not installed, and .ci/run must install it")
+            pytest.skip(f"{program} is not installed")
+        return path
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def company_data() -> Path:
+    """Return the folder of recordings that nobody here made; skip where it is absent."""
+    folder = REPOSITORY.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is not here")
+    return folder

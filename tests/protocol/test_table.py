@@ -1,0 +1,125 @@
+"""The table, the classes and the specification say the same."""
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from halo_protocol import ProtocolError, decode, encode, from_json, messages, to_json
+from halo_protocol.jsonview import ENUMERATIONS
+from halo_protocol.table import ROWS, Row
+
+SPEC = (Path(__file__).parents[2] / "protocol" / "SPEC.md").read_text()
+
+# What version 1.0 promised. Rows may grow behind these and never change within them.
+PROMISED = {
+    "frame": "node session frame time_s time_frac_us count",
+    "pointer": "id slot hand finger state u v x_mm y_mm hover_mm pressure vx_mm_s vy_mm_s "
+    "confidence contacts force_g",
+    "alive": "ids",
+    "down": "id slot u v strike_mm_s ago_ms contacts",
+    "up": "id slot u v ago_ms contacts",
+    "scene": "node session version width_mm height_mm calibration revision source rate_hz",
+    "homography": "node session revision width_px height_px projector_from_surface",
+    "pose": "node session revision camera_from_surface anchor_from_surface anchored",
+    "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms",
+}
+PROMISED_TAGS = {
+    "frame": "ssiiii",
+    "pointer": "iiiiifffffffffif",
+    "alive": "",
+    "down": "iiffffi",
+    "up": "iifffi",
+    "scene": "sssffiiif",
+    "homography": "ssiiifffffffff",
+    "pose": "ssi" + 24 * "f" + "i",
+    "health": "ssffiiiif",
+}
+
+rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)
+
+
+@rows
+def test_a_row_names_the_fields_of_its_class(row: Row) -> None:
+    message: Any = row.message
+    assert [field.name for field in row.fields] == [
+        field.name for field in dataclasses.fields(message)
+    ]
+
+
+@rows
+def test_a_row_begins_with_what_was_promised(row: Row) -> None:
+    names = [field.name for field in row.fields]
+    assert names[: len(PROMISED[row.kind].split())] == PROMISED[row.kind].split()
+    assert row.tags.startswith(PROMISED_TAGS[row.kind])
+
+
+@rows
+def test_only_types_that_every_client_reads_are_sent(row: Row) -> None:
+    assert {field.tag for field in row.fields} <= set("ifs")
+
+
+@rows
+def test_a_message_survives_the_wire_and_the_view(row: Row) -> None:
+    # Each argument differs from all others, so that no two can change places.
+    view = {}
+    for number, field in enumerate(row.fields, start=1):
+        values = [number + i / 64 if field.tag == "f" else number + i for i in range(12)]
+        plain = {"s": f"name-{number}", "i": number, "f": values[0]}[field.tag]
+        view[field.name] = plain if field.length == 1 else values[: field.length]
+    view |= {"version": "1.2.3"} if "version" in view else {}
+    view |= {"anchored": 1} if "anchored" in view else {}
+    view = {name: value for name, value in view.items() if name in PROMISED[row.kind].split()}
+    message = from_json(row.kind, view)
+    assert decode(encode("table", message)) == [("table", message)]
+    assert from_json(row.kind, to_json(message)) == message
+
+
+UNREADABLE = [
+    ("alive", {}, "has no 'ids'"),
+    ("alive", {"ids": 3}, "is a list"),
+    ("alive", {"ids": [1, True]}, "cannot be True"),
+    ("alive", {"ids": [1.0]}, "cannot be 1.0"),
+    ("later", {}, "no message is called 'later'; known: frame, pointer"),
+    ("up", {"id": "7"}, "cannot be '7'"),
+    ("up", {"id": 7, "slot": 0, "u": True}, "cannot be True"),
+    ("up", {"id": 7, "slot": 0, "u": 1e39}, "cannot be 1e"),
+    ("up", {"id": 7, "slot": 0, "u": math.nan}, "cannot be nan"),
+    ("pointer", {"id": 7, "slot": 0, "hand": "both"}, "'both' is none of unknown, left, right"),
+]
+
+
+@pytest.mark.parametrize(("kind", "view", "says"), UNREADABLE)
+def test_a_view_that_is_none_is_refused(kind: str, view: dict[str, Any], says: str) -> None:
+    with pytest.raises(ProtocolError, match=says):
+        from_json(kind, view)
+
+
+def test_each_message_has_a_row() -> None:
+    classes = {row.message for row in ROWS}
+    assert classes == set(messages.Message.__args__)
+
+
+@rows
+def test_the_specification_tells_each_argument(row: Row) -> None:
+    chapter = SPEC.partition(f"### `/halo/1/{{surface}}/{row.kind}`")[2].partition("\n##")[0]
+    chapter = chapter.partition("<!--")[0]
+    told = [line.split("`")[1] for line in chapter.splitlines() if line.startswith("| `")]
+    assert told == [field.name for field in row.fields]
+
+
+@pytest.mark.parametrize("name", ENUMERATIONS)
+def test_the_specification_tells_each_word(name: str) -> None:
+    words = ", ".join(f"{member.value} `{member.name.lower()}`" for member in ENUMERATIONS[name])
+    assert f"| `{name}` | `i` | {words} |" in SPEC
+
+
+def test_every_must_has_its_reason() -> None:
+    lines = SPEC.splitlines()
+    musts = [number for number, line in enumerate(lines) if "MUST " in line]
+    assert len(musts) > 20
+    for number in musts:
+        assert lines[number].startswith("- ")
+        assert lines[number + 1].startswith("  > Why: "), f"no reason: {lines[number]}"

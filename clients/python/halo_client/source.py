@@ -1,0 +1,105 @@
+"""Where to receive from, as a URL.
+
+Rule: text in, frozen values out; nothing is opened here. Each refusal names what is known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from urllib.parse import SplitResult, parse_qs, urlsplit
+
+from halo_client.errors import ClientError
+from halo_protocol import ANY, ProtocolError, check_name, check_surface
+
+DEFAULT_SOURCE = "osc://127.0.0.1:9000"
+DEFAULT_OSC_PORT = 9000
+DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
+_EXAMPLES = f"{DEFAULT_SOURCE} or zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
+
+
+@dataclass(frozen=True, slots=True)
+class OscSource:
+    """OSC datagrams, heard on a UDP port of this machine."""
+
+    host: str
+    """The address to listen on; 0.0.0.0 hears the whole network."""
+    port: int
+    """0 lets the system choose a free one."""
+
+
+@dataclass(frozen=True, slots=True)
+class ZenohSource:
+    """Zenoh samples, from the peers or routers named, or from whom multicast finds."""
+
+    connect: tuple[str, ...]
+    """Endpoints such as `tcp/127.0.0.1:7447`; a peer that is not there yet is tried again."""
+    listen: tuple[str, ...] = ()
+    """Endpoints on which other peers may reach this one; none by default."""
+    multicast: bool = False
+    """Whether to look for peers by multicast, which many networks do not carry."""
+    mode: str = "peer"
+    """`peer` or `client`."""
+    node: str = ANY
+    """Receive from this service only."""
+    surface: str = ANY
+    """Receive this surface only."""
+
+
+def parse_source(url: str) -> OscSource | ZenohSource:
+    """`osc://HOST:PORT` or `zenoh://?connect=...` as a value; `ClientError` otherwise.
+
+    Zenoh's settings: `connect` and `listen` (any number of each), `multicast=on|off`,
+    `mode=peer|client`, `node`, `surface`. Without `connect` and with multicast off it is the
+    service on this machine.
+    """
+    try:
+        parts = urlsplit(url)
+        port = parts.port
+    except ValueError as error:
+        raise ClientError(f"cannot read the source {url!r} ({error}); use {_EXAMPLES}") from error
+    if parts.scheme == "osc":
+        return _osc(url, parts, port)
+    if parts.scheme == "zenoh":
+        return _zenoh(url, parts)
+    raise ClientError(f"unknown source {url!r}; use {_EXAMPLES}")
+
+
+def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:
+    if parts.query or parts.path not in ("", "/"):
+        raise ClientError(f"osc takes a host and a port, not {url!r}; use {DEFAULT_SOURCE}")
+    return OscSource(parts.hostname or "127.0.0.1", DEFAULT_OSC_PORT if port is None else port)
+
+
+def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
+    if parts.netloc or parts.path not in ("", "/"):
+        raise ClientError(f"zenoh takes settings only, not {url!r}; use {_EXAMPLES}")
+    settings = parse_qs(parts.query, keep_blank_values=True)
+    known = ("connect", "listen", "multicast", "mode", "node", "surface")
+    for name in settings:
+        if name not in known:
+            raise ClientError(f"zenoh: unknown setting {name!r}; known: {', '.join(known)}")
+    multicast = _one_of(settings, "multicast", ("off", "on")) == "on"
+    listen = tuple(settings.get("listen", ()))
+    nobody_named = not multicast and not listen
+    default = (DEFAULT_ZENOH_ENDPOINT,) if nobody_named else ()
+    try:
+        node = check_name(settings["node"][-1], "node") if "node" in settings else ANY
+        surface = check_surface(settings["surface"][-1]) if "surface" in settings else ANY
+    except ProtocolError as error:
+        raise ClientError(f"zenoh: {error}") from error
+    return ZenohSource(
+        connect=tuple(settings.get("connect", default)),
+        listen=listen,
+        multicast=multicast,
+        mode=_one_of(settings, "mode", ("peer", "client")),
+        node=node,
+        surface=surface,
+    )
+
+
+def _one_of(settings: dict[str, list[str]], name: str, known: tuple[str, ...]) -> str:
+    """The setting's word; the first known one where it is not given."""
+    word = settings.get(name, [known[0]])[-1]
+    if word not in known:
+        raise ClientError(f"zenoh: {name} is {' or '.join(known)}, not {word!r}")
+    return word

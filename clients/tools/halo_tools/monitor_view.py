@@ -1,0 +1,190 @@
+"""What the monitor shows, as lines of text.
+
+Rule: pure. Events and times come in, lines go out; nothing is printed here and no clock read.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from statistics import median
+
+from halo_client import Known, Losses
+from halo_protocol import (
+    VERSION,
+    Calibration,
+    Camera,
+    Down,
+    Event,
+    Finger,
+    Hand,
+    Lost,
+    Pointer,
+    Scene,
+    Source,
+    State,
+    TouchFrame,
+    Tracker,
+    Up,
+)
+
+_WINDOW_S = 1.0
+"""Rates and latencies are of the last second."""
+_EVENTS = 6
+"""Touches that stay in view."""
+_BELIEVABLE_US = 60_000_000
+"""A frame that is older, or comes from the future, has a recording's time and no latency."""
+
+LOUD = {
+    Source.VIRTUAL: "!! VIRTUAL SENSOR: no camera looks at a real hand !!",
+    Source.RECORDING: "!! RECORDING: what you see happened earlier !!",
+}
+"""What stands behind the pointers, where it is no camera."""
+
+HEADINGS = (
+    "    id slot hand    finger state     x mm    y mm hover mm pressure force g   conf contacts"
+)
+
+
+@dataclass(slots=True)
+class _Stream:
+    """One session on one surface."""
+
+    frame: TouchFrame
+    arrivals_s: deque[float] = field(default_factory=deque)
+    latencies_ms: deque[float | None] = field(default_factory=deque)
+    missed: int = 0
+    events: deque[str] = field(default_factory=lambda: deque(maxlen=_EVENTS))
+
+
+class View:
+    """What there is to show. Bounded: a stream goes when its service does."""
+
+    def __init__(self) -> None:
+        self._streams: dict[tuple[str, str, str], _Stream] = {}
+
+    def take(self, event: Event, now_s: float, unix_us: int) -> None:
+        """Remember an event that came at `now_s`, at that Unix time."""
+        if isinstance(event, TouchFrame):
+            self._take_frame(event, now_s, unix_us)
+        elif isinstance(event, Lost):
+            self._streams.pop((event.node, event.surface, event.session), None)
+
+    def lines(self, url: str, known: Known, losses: Losses, now_s: float) -> list[str]:
+        """The picture, without line ends."""
+        head = f"halo monitor · {url} · protocol {VERSION}"
+        lost = (
+            f"lost {losses.missed} frames, {losses.incomplete} in part · "
+            f"late or twice {losses.dropped} · bad datagrams {losses.bad}"
+        )
+        lines = [head, lost]
+        for stream in self._streams.values():
+            lines += ["", *_stream_lines(stream, known, now_s)]
+        if not self._streams:
+            lines += ["", *_scene_lines(known), waiting(url)]
+        return lines
+
+    def _take_frame(self, frame: TouchFrame, now_s: float, unix_us: int) -> None:
+        key = (frame.node, frame.surface, frame.session)
+        stream = self._streams.setdefault(key, _Stream(frame))
+        stream.frame = frame
+        stream.missed += frame.missed
+        stream.arrivals_s.append(now_s)
+        stream.latencies_ms.append(latency_ms(frame, unix_us))
+        while stream.arrivals_s[0] < now_s - _WINDOW_S:
+            stream.arrivals_s.popleft()
+            stream.latencies_ms.popleft()
+        stream.events += [_event_words(event) for event in frame.events]
+
+
+def waiting(url: str) -> str:
+    """What to say while nothing comes."""
+    return (
+        f"waiting: no frames at {url} yet; is `halo serve` running, and does it send here? "
+        "Ctrl-C ends"
+    )
+
+
+def latency_ms(frame: TouchFrame, unix_us: int) -> float | None:
+    """From the frame's time to its arrival; None where its time is not the clock's."""
+    age_us = unix_us - frame.time_us
+    return age_us / 1000 if abs(age_us) < _BELIEVABLE_US else None
+
+
+def _stream_lines(stream: _Stream, known: Known, now_s: float) -> list[str]:
+    frame = stream.frame
+    where = (frame.node, frame.surface)
+    rate_hz = sum(at_s > now_s - _WINDOW_S for at_s in stream.arrivals_s) / _WINDOW_S
+    lines = [f"{frame.node}/{frame.surface} · session {frame.session}"]
+    if where in known.scenes:
+        lines += _scene(known.scenes[where])
+    lines.append(
+        f"  frame {frame.frame} · {rate_hz:.0f} a second · latency {_latency(stream)} · "
+        f"lost {stream.missed}"
+    )
+    if where in known.healths:
+        health = known.healths[where]
+        lines.append(
+            f"  service: {health.fps:.1f} fps, {_ms(health.latency_ms)} a frame · "
+            f"drops {health.drops}, bad frames {health.bad_frames} · "
+            f"camera {_word(Camera, health.camera)} · "
+            f"tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old"
+        )
+    lines += [HEADINGS, *map(_pointer_line, frame.pointers)]
+    if not frame.pointers:
+        lines.append("     - no finger near the surface")
+    return [*lines, f"  touches: {' · '.join(reversed(stream.events)) or '-'}"]
+
+
+def _scene_lines(known: Known) -> list[str]:
+    lines = []
+    for (node, surface), scene in known.scenes.items():
+        lines += [f"{node}/{surface} · session {scene.session}", *_scene(scene)]
+    return lines
+
+
+def _scene(scene: Scene) -> list[str]:
+    about = (
+        f"  source {_word(Source, scene.source)} at {scene.rate_hz:.0f} Hz · "
+        f"{scene.width_mm:.0f} x {scene.height_mm:.0f} mm · "
+        f"calibration {_word(Calibration, scene.calibration)} (revision {scene.revision})"
+    )
+    loud = [f"  {text}" for source, text in LOUD.items() if scene.source == source]
+    other = scene.version.split(".")[:2] != VERSION.split(".")[:2]
+    return [*loud, about, *([f"  its protocol is {scene.version}"] if other else [])]
+
+
+def _pointer_line(pointer: Pointer) -> str:
+    force = "-" if pointer.force_g < 0 else f"{pointer.force_g:.0f}"
+    state = _word(State, pointer.state)
+    return (
+        f"{pointer.id:6d} {pointer.slot:4d} {_word(Hand, pointer.hand):7} "
+        f"{_word(Finger, pointer.finger):6} {state.upper() if pointer.touching else state:5} "
+        f"{pointer.x_mm:8.1f} {pointer.y_mm:7.1f} {pointer.hover_mm:8.1f} "
+        f"{pointer.pressure:8.2f} {force:>7} {pointer.confidence:6.2f} {pointer.contacts:8d}"
+    )
+
+
+def _event_words(event: Down | Up) -> str:
+    if isinstance(event, Down):
+        strike = "lost" if event.strike_mm_s < 0 else f"{event.strike_mm_s:.0f} mm/s"
+        return f"down {event.id}#{event.contacts} ({strike})"
+    return f"up {event.id}#{event.contacts}"
+
+
+def _latency(stream: _Stream) -> str:
+    known = [value for value in stream.latencies_ms if value is not None]
+    if not known:
+        return "- (a recording's time)"
+    return f"{median(known):.1f} ms, at most {max(known):.1f}"
+
+
+def _ms(value_ms: float) -> str:
+    return "-" if value_ms < 0 else f"{value_ms:.1f} ms"
+
+
+def _word(
+    words: type[State | Hand | Finger | Source | Calibration | Camera | Tracker], n: int
+) -> str:
+    """An enumeration's word; the number where a later version has a new one."""
+    return words(n).name.lower() if n in set(words) else str(n)

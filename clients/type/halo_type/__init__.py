@@ -1,0 +1,1 @@
+"""Typing on a table: the guest's pure core. No I/O, no clock, no window."""

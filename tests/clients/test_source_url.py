@@ -1,0 +1,55 @@
+"""Sources are understood, or refused in one sentence."""
+
+import pytest
+
+from halo_client import ClientError, OscSource, ZenohSource, parse_source
+
+HERE = ("tcp/127.0.0.1:7447",)
+
+
+@pytest.mark.parametrize(
+    ("url", "source"),
+    [
+        ("osc://127.0.0.1:9000", OscSource("127.0.0.1", 9000)),
+        ("osc://0.0.0.0:9005/", OscSource("0.0.0.0", 9005)),
+        ("osc://[::1]:9000", OscSource("::1", 9000)),
+        ("osc://", OscSource("127.0.0.1", 9000)),
+        ("osc://:0", OscSource("127.0.0.1", 0)),
+        ("zenoh://", ZenohSource(HERE)),
+        ("zenoh://?connect=tcp/10.0.0.1:1", ZenohSource(("tcp/10.0.0.1:1",))),
+        ("zenoh://?connect=tcp/a:1&connect=udp/b:2", ZenohSource(("tcp/a:1", "udp/b:2"))),
+        ("zenoh://?multicast=on", ZenohSource((), multicast=True)),
+        ("zenoh://?multicast=off", ZenohSource(HERE)),
+        ("zenoh://?listen=tcp/0.0.0.0:7448", ZenohSource((), listen=("tcp/0.0.0.0:7448",))),
+        (
+            "zenoh://?mode=client&node=desk&surface=table",
+            ZenohSource(HERE, mode="client", node="desk", surface="table"),
+        ),
+    ],
+)
+def test_a_source_is_understood(url: str, source: OscSource | ZenohSource) -> None:
+    assert parse_source(url) == source
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("", "unknown source"),
+        ("127.0.0.1:9000", "use osc://"),
+        ("udp://127.0.0.1:9000", "use osc://"),
+        ("osc://127.0.0.1:99999", "cannot read"),
+        ("osc://127.0.0.1:x", "cannot read"),
+        ("osc://127.0.0.1:9000/path", "takes a host and a port"),
+        ("osc://127.0.0.1:9000?a=b", "takes a host and a port"),
+        ("zenoh://host", "takes settings only"),
+        ("zenoh://?conect=tcp/127.0.0.1:1", "unknown setting 'conect'; known: connect, listen"),
+        ("zenoh://?multicast=maybe", "multicast is off or on"),
+        ("zenoh://?mode=router", "mode is peer or client"),
+        ("zenoh://?node=**", "node must be"),
+        ("zenoh://?surface=control", "reserved"),
+    ],
+)
+def test_a_source_is_refused_with_what_is_known(url: str, says: str) -> None:
+    with pytest.raises(ClientError, match=says.replace("?", r"\?")) as refused:
+        parse_source(url)
+    assert "\n" not in str(refused.value)

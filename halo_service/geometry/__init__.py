@@ -1,0 +1,1 @@
+"""Lenses, planes and frames of reference: pure functions on arrays."""

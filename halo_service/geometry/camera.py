@@ -1,0 +1,78 @@
+"""A depth camera's factory calibration: two lenses and the pose between them.
+
+Rule: pixels have (0, 0) at the *centre* of the top left pixel, points are in mm,
+x right, y down, z away. Matrices say their spaces: `colour_from_depth`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A pinhole with the rational distortion of the Azure Kinect (OpenCV's 8-coefficient model)."""
+
+    width: int
+    """Image width, px."""
+    height: int
+    """Image height, px."""
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    """Focal lengths and principal point, px."""
+    distortion: tuple[float, float, float, float, float, float, float, float] = (0.0,) * 8
+    """k1, k2, p1, p2, k3, k4, k5, k6, in OpenCV's order."""
+
+    @property
+    def matrix(self) -> Points:
+        """(3, 3) camera matrix, px."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    def project(self, points: Points) -> Points:
+        """Map (N, 3) points in this lens's frame to (N, 2) pixels."""
+        if len(points) == 0:
+            return np.empty((0, 2))
+        zero = np.zeros(3)
+        px, _ = cv2.projectPoints(
+            points.astype(np.float64), zero, zero, self.matrix, np.array(self.distortion)
+        )
+        return np.asarray(px, dtype=np.float64).reshape(-1, 2)
+
+    def rays(self, px: Points) -> Points:
+        """Map (N, 2) pixels to (N, 3) directions with z = 1: a point at depth z is `z * ray`."""
+        if len(px) == 0:
+            return np.empty((0, 3))
+        # OpenCV's default stops after 5 rounds and is 2 px off in the image's corners.
+        until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+        flat = cv2.undistortPointsIter(
+            px.reshape(-1, 1, 2).astype(np.float64),
+            self.matrix,
+            np.array(self.distortion),
+            np.eye(3),
+            np.eye(3),
+            until,
+        )
+        return np.column_stack([flat.reshape(-1, 2), np.ones(len(px))])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Camera:
+    """One device in one depth mode: what a profile is tied to."""
+
+    serial: str
+    depth_mode: str
+    """As the SDK names it, e.g. `NFOV_UNBINNED`."""
+    fps: int
+    depth: Lens
+    colour: Lens | None
+    """None where colour is switched off."""
+    colour_from_depth: Points
+    """(4, 4), mm: p_colour = M p_depth."""

@@ -1,0 +1,208 @@
+"""The values that the rooms hand to each other.
+
+Rule: values only. Frozen, no I/O, no clock, no method that computes more than a
+view of itself; each field says its unit and its space.
+
+`Frame -> Fingertips -> Halo signals -> Contacts -> TouchFrame`
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Depth = NDArray[np.uint16]
+Infrared = NDArray[np.uint16]
+Pixels = NDArray[np.float64]
+
+SourceKind = Literal["camera", "recording", "virtual"]
+"""What stands behind the frames; clients are told, so that nobody mistakes one for another."""
+
+
+class Side(IntEnum):
+    """Which hand, as the wire numbers it."""
+
+    UNKNOWN = 0
+    LEFT = 1
+    RIGHT = 2
+
+
+class Finger(IntEnum):
+    """Which finger, as the wire numbers it."""
+
+    THUMB = 0
+    INDEX = 1
+    MIDDLE = 2
+    RING = 3
+    LITTLE = 4
+
+
+class Touch(IntEnum):
+    """A pointer's state, as the wire numbers it."""
+
+    HOVER = 0
+    TOUCH = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One capture of the depth camera."""
+
+    time_us: int
+    """Recording: the depth packet's timestamp. Live: Unix time of the exposure."""
+    depth: Depth
+    """(H, W) uint16, mm along the optical axis; 0 where the camera measured nothing."""
+    ir: Infrared
+    """(H, W) uint16, active brightness; 65535 where it saturates."""
+    colour: NDArray[np.uint8] | bytes | None = None
+    """(h, w, 3) uint8 BGR, or the JPEG as the camera sent it (decoding costs 10 ms, so nobody
+    decodes it who does not need it), or None."""
+
+
+@dataclass(frozen=True, slots=True)
+class BadFrame:
+    """A capture that cannot be sensed; it is counted and told, never silently skipped."""
+
+    time_us: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hand:
+    """One hand as the hand tracker sees it."""
+
+    side: Side
+    landmarks_px: Pixels
+    """(21, 2) float64, depth image pixels (integers are pixel centres), in MediaPipe's order."""
+    confidence: float
+    """0 to 1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracked:
+    """What the hand tracker last saw; older than the present frame by the tracker's latency."""
+
+    time_us: int
+    hands: tuple[Hand, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Fingertip:
+    """One extended fingertip, carried forward from the tracker's frame to the present one."""
+
+    side: Side
+    finger: Finger
+    tip_px: tuple[float, float]
+    """The silhouette's end in the present frame, depth pixels."""
+    distal_px: tuple[float, float]
+    """The joint next to the tip (distal interphalangeal), depth pixels."""
+    pad_mm: tuple[float, float]
+    """x, y of the pad's lowest point on the surface, surface frame."""
+    camera_mm: tuple[float, float, float]
+    """The pad's lowest point in the depth camera's frame, at the height its own depth tells."""
+    top_mm: float
+    """Height of the finger's upper side above the surface by its depth; nan where unmeasured."""
+    pitch_deg: float
+    """0 lying flat, 90 upright."""
+    yaw_deg: float
+    """0 pointing to the far edge, positive clockwise as the user sees it."""
+    confidence: float
+    """0 to 1: the tracker's, less what the present frame takes away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """The halo around one fingertip."""
+
+    raw: float
+    """Sum of the excess depth over the halo's pixels in the patch, mm px."""
+    corrected: float
+    """The same, as it would read at the place and angle of the calibration."""
+    line_px: int
+    """Halo pixels on the finger's line just beyond the tip."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Whether a finger touches, and since when."""
+
+    touching: bool
+    count: int
+    """Touches of this pointer so far, this one included."""
+    ago_us: int
+    """How long before this frame the last change happened, interpolated between frames."""
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostics:
+    """What only a developer wants to know of a pointer; written by replay, never sent."""
+
+    camera_mm: tuple[float, float, float]
+    tip_px: tuple[float, float]
+    halo: float
+    halo_corrected: float
+    level: float
+    """0 at the calibrated subtle state, 1 at touch."""
+    top_mm: float
+    pitch_deg: float
+    yaw_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Pointer:
+    """One live fingertip, as clients see it."""
+
+    id: int
+    """Grows, never reused in a session."""
+    slot: int
+    """Lowest free small number, 0 to 9."""
+    side: Side
+    finger: Finger
+    state: Touch
+    x_mm: float
+    y_mm: float
+    """The pad on the surface, surface frame."""
+    hover_mm: float
+    """Height of the pad above the surface; 0 in touch."""
+    pressure: float
+    """0 in hover; in touch at least 0.02, 1 at the calibrated medium press, more beyond."""
+    force_g: float
+    """Grams where the calibration's force is known, else -1."""
+    vx_mm_s: float
+    vy_mm_s: float
+    confidence: float
+    contacts: int
+    """Touches of this pointer so far."""
+    diagnostics: Diagnostics
+
+
+@dataclass(frozen=True, slots=True)
+class TouchEvent:
+    """A finger came down on the surface, or left it."""
+
+    kind: Literal["down", "up"]
+    id: int
+    slot: int
+    x_mm: float
+    y_mm: float
+    strike_mm_s: float
+    """Approach speed before contact, down only; 0 for up."""
+    ago_ms: float
+    """How long before the frame's time it happened."""
+    contacts: int
+
+
+@dataclass(frozen=True, slots=True)
+class TouchFrame:
+    """Everything true of the surface at one moment: what is published."""
+
+    time_us: int
+    surface: str
+    width_mm: float
+    height_mm: float
+    pointers: tuple[Pointer, ...] = ()
+    events: tuple[TouchEvent, ...] = ()

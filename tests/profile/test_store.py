@@ -1,0 +1,133 @@
+"""A profile on disk is the profile that was saved, and never half of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera, Lens
+from halo_service.geometry.surface import Surface
+from halo_service.profile import Background, HeldState, Profile, TouchStates
+from halo_service.profile.store import load, profile_path, require_fit, save
+
+
+@pytest.fixture
+def profile() -> Profile:
+    lens = Lens(8, 6, 500.0, 501.0, 3.5, 2.5, (0.5, -0.02, 1e-5, -7e-5, -0.003, 0.9, 0.09, -0.01))
+    camera = Camera("A1", "NFOV_UNBINNED", 30, lens, lens, np.eye(4))
+    rng = np.random.default_rng(1)
+    background = Background(
+        rng.normal(500, 1, (6, 8)).astype(np.float32),
+        rng.uniform(0, 2, (6, 8)).astype(np.float32),
+        rng.uniform(0, 1, (6, 8)) > 0.2,
+    )
+    states = TouchStates(
+        *(HeldState(100.0 * n, 10.0 / n, 25.0 * n) for n in range(1, 5)), 6.0, 13.0
+    )
+    return Profile("desk", camera, Surface("table", 300.0, 200.0, np.eye(4)), background, states, 3)
+
+
+def assert_same(a: Profile, b: Profile) -> None:
+    for name in ("mean_mm", "noise_mm", "valid"):
+        np.testing.assert_array_equal(getattr(a.background, name), getattr(b.background, name))
+    np.testing.assert_array_equal(a.surface.camera_from_surface, b.surface.camera_from_surface)
+    assert (a.name, a.revision, a.touch) == (b.name, b.revision, b.touch)
+    assert (a.camera.serial, a.camera.depth) == (b.camera.serial, b.camera.depth)
+
+
+@pytest.mark.parametrize("touch", [True, False])
+def test_what_is_saved_is_loaded(profile: Profile, tmp_path: Path, touch: bool) -> None:
+    kept = profile if touch else replace(profile, touch=None)
+    save(kept, tmp_path / "p")
+    assert_same(load(tmp_path / "p"), kept)
+
+
+def test_saving_again_leaves_one_text_and_one_array_file(profile: Profile, tmp_path: Path) -> None:
+    save(profile, tmp_path)
+    darker = replace(profile.background, mean_mm=profile.background.mean_mm + 1)
+    save(replace(profile, background=darker, revision=4), tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+    assert load(tmp_path).revision == 4
+
+
+@pytest.mark.parametrize("killed_after", [0, 1, 2])
+def test_a_kill_while_saving_leaves_the_old_or_the_new_profile(
+    profile: Profile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, killed_after: int
+) -> None:
+    save(profile, tmp_path)
+    moves = 0
+    really = Path.replace
+
+    def replace_until_killed(self: Path, target: Path) -> Path:
+        nonlocal moves
+        moves += 1
+        if moves > killed_after:
+            raise KeyboardInterrupt
+        return really(self, target)
+
+    changed = replace(profile.background, mean_mm=profile.background.mean_mm + 1)
+    monkeypatch.setattr(Path, "replace", replace_until_killed)
+    try:
+        save(replace(profile, background=changed, revision=4), tmp_path)
+    except KeyboardInterrupt:
+        assert killed_after < 2
+    assert load(tmp_path).revision == (4 if killed_after == 2 else 3)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda text: text.replace('"format": 1', '"format": 2'), "newer halo-service"),
+        (lambda text: text[: len(text) // 2], "cannot be read"),
+        (lambda text: text.replace('"revision"', '"version"'), "cannot be read"),
+        (lambda text: json.dumps([1, 2]), "cannot be read"),
+        (lambda text: text.replace("background-", "elsewhere-"), "cannot be read"),
+    ],
+    ids=["newer", "cut", "key missing", "foreign", "arrays missing"],
+)
+def test_a_profile_that_cannot_be_read_is_one_sentence(
+    profile: Profile, tmp_path: Path, spoil: object, says: str
+) -> None:
+    save(profile, tmp_path)
+    text = tmp_path / "profile.json"
+    text.write_text(spoil(text.read_text()))  # type: ignore[operator]
+    with pytest.raises(UserError, match=says):
+        load(tmp_path)
+
+
+def test_where_no_profile_is_one_is_asked_for(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="there is no profile at"):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"serial": "B2"}, "belongs to camera A1, and this is B2"),
+        ({"depth_mode": "WFOV_UNBINNED"}, "belongs to depth mode NFOV_UNBINNED"),
+        ({"depth": Lens(8, 6, 499.0, 501.0, 3.5, 2.5)}, "belongs to depth lens"),
+    ],
+)
+def test_a_profile_of_another_camera_is_refused(
+    profile: Profile, changed: dict[str, object], says: str
+) -> None:
+    require_fit(profile, profile.camera)
+    with pytest.raises(UserError, match=says):
+        require_fit(profile, replace(profile.camera, **changed))  # type: ignore[arg-type]
+
+
+def test_a_name_lives_in_the_data_folder_and_a_path_where_it_says() -> None:
+    assert profile_path("./here") == Path("here")
+    assert profile_path("desk").parts[-3:] == ("halo-service", "profiles", "desk")
+
+
+def test_the_text_can_be_read_by_a_person(profile: Profile, tmp_path: Path) -> None:
+    save(profile, tmp_path)
+    data = json.loads((tmp_path / "profile.json").read_text())
+    assert data["touch"] == asdict(profile)["touch"]
+    assert data["camera"]["serial"] == "A1"

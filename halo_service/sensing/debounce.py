@@ -1,0 +1,33 @@
+"""Stage 8: a touch counts once between two verified no-touches (paper 4.3.6, typing)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from halo_service.values import Contact
+
+NO_TOUCH = Contact(touching=False, count=0, ago_us=0)
+
+
+@dataclass(frozen=True, slots=True)
+class Debounce:
+    """One finger's debounce between two frames."""
+
+    contact: Contact = NO_TOUCH
+    doubted_us: int | None = None
+    """Set while a touch has ended in one frame and no second frame has confirmed it: since when."""
+    time_us: int = 0
+
+
+def debounce(before: Debounce, touching: bool, ago_us: int, time_us: int) -> Debounce:
+    """Advance by one frame: down counts at once, up when a second frame agrees."""
+    contact = before.contact
+    if not contact.touching:
+        if touching:
+            return Debounce(Contact(True, contact.count + 1, ago_us), None, time_us)
+        return Debounce(Contact(False, contact.count, 0), None, time_us)
+    if touching:
+        return Debounce(Contact(True, contact.count, 0), None, time_us)
+    if before.doubted_us is None:
+        return Debounce(Contact(True, contact.count, 0), time_us - ago_us, time_us)
+    return Debounce(Contact(False, contact.count, time_us - before.doubted_us), None, time_us)

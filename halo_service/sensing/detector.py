@@ -1,0 +1,74 @@
+"""Stage 7: the touch detector (paper 4.3.6).
+
+A touch is a sharp departure of the level from a slowly adapting baseline while the level
+rises; the touch ends when the level falls. Pure: time comes in by the door.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from halo_service.sensing.settings import SensingSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Detector:
+    """One finger's detector between two frames."""
+
+    baseline: float
+    """Where the level usually is, smoothed over time while nothing touches."""
+    level: float
+    """The last frame's level: 0 subtle, 1 touch."""
+    time_us: int
+    touching: bool = False
+    ago_us: int = 0
+    """How long before `time_us` the level crossed into the present state, if it just did."""
+
+
+def detect(
+    before: Detector | None,
+    level: float,
+    time_us: int,
+    speed_mm_s: float,
+    settings: SensingSettings,
+) -> Detector:
+    """Advance a detector by one frame.
+
+    `before`: None for a finger that has just been found; it does not touch until it comes down.
+    """
+    if before is None:
+        return Detector(baseline=min(level, 0.0), level=level, time_us=time_us)
+    elapsed_us = max(time_us - before.time_us, 1)
+    rise = level - before.level
+    if before.touching:
+        touching = level >= settings.up_level
+        crossed = settings.up_level
+    else:
+        departed = level - before.baseline > settings.down_departure
+        near = level > settings.down_level
+        still = speed_mm_s < settings.fast_mm_s
+        touching = departed and near and still and rise >= settings.down_rise
+        crossed = settings.down_level
+    changed = touching != before.touching
+    return Detector(
+        baseline=before.baseline if touching else _smoothed(before, level, elapsed_us, settings),
+        level=level,
+        time_us=time_us,
+        touching=touching,
+        ago_us=round(elapsed_us * _since(crossed, before.level, level)) if changed else 0,
+    )
+
+
+def _smoothed(before: Detector, level: float, elapsed_us: int, settings: SensingSettings) -> float:
+    """Follow the level slowly, and never so far up that the next touch could not depart."""
+    share = 1.0 - math.exp(-elapsed_us / (1000.0 * settings.baseline_time_ms))
+    followed = before.baseline + share * (level - before.baseline)
+    return min(followed, settings.down_level - settings.down_departure)
+
+
+def _since(crossed: float, previous: float, level: float) -> float:
+    """Return the part of the frame's interval since the level crossed a line; 0 to 1."""
+    if level == previous:
+        return 0.0
+    return min(max((level - crossed) / (level - previous), 0.0), 1.0)

@@ -1,0 +1,33 @@
+"""The few numbers of the sensing that a user may want to change; each says its unit and origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class SensingSettings:
+    """`[sensing]` in halo.toml."""
+
+    halo_threshold_mm: float = 8.0
+    """Excess depth from which a pixel is halo (paper 4.3.1; 5 to 10 by placement and material)."""
+    hand_threshold_mm: float = 4.0
+    """How much nearer than the background a pixel must be to be hand (chosen: above the noise)."""
+    hover_range_mm: float = 100.0
+    """Up to this height above the surface a fingertip is a pointer."""
+    edge_margin_mm: float = 20.0
+    """A pointer may leave the surface by this much."""
+    lost_after_ms: float = 250.0
+    """A finger that the tracker has not seen for so long is gone (chosen: a few tracker frames)."""
+    down_departure: float = 0.45
+    """How far the level (0 subtle, 1 touch) departs from its baseline at a touch (chosen)."""
+    down_rise: float = 0.05
+    """Least rise of the level from frame to frame at a touch (chosen: a slow finger's)."""
+    down_level: float = 0.2
+    """Least level of a touch, whatever the baseline (chosen: a flat finger's halo is weaker)."""
+    up_level: float = 0.1
+    """Below this level a touch ends (chosen: hysteresis against a halo that flickers)."""
+    baseline_time_ms: float = 400.0
+    """Time constant of the adaptive baseline (chosen: slower than a tap, faster than drift)."""
+    fast_mm_s: float = 900.0
+    """A finger moving sideways faster than this cannot come down (paper 6.2 filters by speed)."""

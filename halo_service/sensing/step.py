@@ -1,0 +1,121 @@
+"""The story of one frame, on one screen.
+
+`Frame -> Fingertips -> Halo signals -> Contacts -> TouchFrame`
+
+The hand tracker stands outside: it is stateful and late, and hands in what it last saw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from halo_service.profile import Profile, TouchStates
+from halo_service.sensing.background import Drift, excess_depth, follow_drift
+from halo_service.sensing.correction import correct
+from halo_service.sensing.debounce import debounce
+from halo_service.sensing.detector import detect
+from halo_service.sensing.extraction import extract, line_pixels
+from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, moved_since
+from halo_service.sensing.fingertips import locate, sightings
+from halo_service.sensing.pointers import describe, follow, within_reach
+from halo_service.sensing.revealer import Revealed, reveal
+from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.states import touch_level
+from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
+
+DEFAULT_SURFACE = ("table", 300.0, 200.0)
+"""Name, width and height in mm of a surface that nobody has calibrated."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """All that one frame leaves to the next."""
+
+    profile: Profile | None
+    """None before any calibration: frames then have no pointers."""
+    settings: SensingSettings
+    fingers: tuple[Memory, ...] = ()
+    next_id: int = 1
+    drift: Drift = Drift()  # noqa: RUF009 - frozen, so one default serves all
+
+
+def start(profile: Profile | None, settings: SensingSettings) -> State:
+    """Return the state before the first frame."""
+    return State(profile, settings)
+
+
+def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFrame, State]:
+    """Sense one frame. `tracked`: the newest that the hand tracker has, or None."""
+    profile, settings = state.profile, state.settings
+    if profile is None or profile.touch is None:
+        return clear(state, frame.time_us)
+    excess_mm = excess_depth(frame.depth, profile.background, state.drift.offset_mm)
+    revealed = reveal(excess_mm, settings)
+    fingers: list[Memory] = []
+    events: list[TouchEvent] = []
+    for before in meet(state.fingers, sightings(tracked), state.next_id):
+        finger = follow_finger(before, frame, revealed, profile, profile.touch, settings)
+        events += changes(before, finger)
+        if finger is not None:
+            fingers.append(finger)
+    next_id = max([state.next_id, *(finger.id + 1 for finger in fingers)])
+    told = _frame(state, frame.time_us, fingers, events)
+    drift = follow_drift(state.drift, excess_mm, frame.time_us)
+    return told, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
+
+
+def follow_finger(
+    before: Memory,
+    frame: Frame,
+    revealed: Revealed,
+    profile: Profile,
+    states: TouchStates,
+    settings: SensingSettings,
+) -> Memory | None:
+    """Take one finger through all stages into the present frame; None when it is gone."""
+    now_us, sighting = frame.time_us, before.sighting
+    if now_us - sighting.time_us > 1000.0 * settings.lost_after_ms:
+        return None
+    moved_px = moved_since(before.path, sighting.time_us, now_us)
+    tip = locate(sighting, moved_px, revealed, frame.depth, profile, states.finger_thickness_mm)
+    signal = measure(revealed, tip)
+    level = touch_level(signal.corrected, states)
+    detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
+    bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
+    pointer = describe(before.id, before.slot, tip, signal, level, bounced.contact, states)
+    elapsed_us = now_us - before.path[-1].time_us if before.path else 0
+    motion = follow(before.motion, before.pointer, pointer, elapsed_us)
+    if not within_reach(pointer, before.pointer is not None, profile.surface, settings):
+        return None
+    return replace(
+        before,
+        pointer=replace(pointer, vx_mm_s=motion.vx_mm_s, vy_mm_s=motion.vy_mm_s),
+        path=(*before.path, Past(now_us, tip.tip_px))[-REMEMBERED:],
+        detector=detector,
+        debounce=bounced,
+        motion=motion,
+    )
+
+
+def measure(revealed: Revealed, tip: Fingertip) -> Signal:
+    """Read the halo around one fingertip."""
+    raw = extract(revealed, tip)
+    return Signal(raw, correct(raw, tip), line_pixels(revealed, tip))
+
+
+def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
+    """Let all pointers go: what a frame that cannot be sensed says, so that nothing sticks."""
+    events = [event for finger in state.fingers for event in changes(finger, None)]
+    return _frame(state, time_us, (), events), replace(state, fingers=())
+
+
+def _frame(
+    state: State, time_us: int, fingers: Sequence[Memory], events: Sequence[TouchEvent]
+) -> TouchFrame:
+    surface = state.profile.surface if state.profile else None
+    name, width_mm, height_mm = (
+        (surface.name, surface.width_mm, surface.height_mm) if surface else DEFAULT_SURFACE
+    )
+    pointers = tuple(finger.pointer for finger in fingers if finger.pointer is not None)
+    return TouchFrame(time_us, name, width_mm, height_mm, pointers, tuple(events))

@@ -1,0 +1,42 @@
+"""Where frames come from: a live Kinect, a recording, the virtual sensor.
+
+Rule: a source owns its device and its clock, and nothing else. It hands over what was
+captured, as it was captured; what it cannot hand over it names (`BadFrame`).
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera
+from halo_service.values import BadFrame, Frame, SourceKind
+
+
+class SourceLost(UserError):  # noqa: N818 - what happened, as the service's log says it
+    """The camera went away while it was running. Worth opening it anew after a while."""
+
+
+class EndOfSource(Exception):  # noqa: N818 - an end, no error
+    """A recording has ended: a normal end, and the last thing `read` says."""
+
+
+class Source(Protocol):
+    """A depth camera, or something that stands in for one. Used from one thread at a time."""
+
+    @property
+    def kind(self) -> SourceKind:
+        """What stands behind the frames."""
+
+    @property
+    def camera(self) -> Camera:
+        """The lenses of the mode that the frames come in; the same as long as it is open."""
+
+    def read(self, timeout_s: float) -> Frame | BadFrame | None:
+        """Wait at most `timeout_s` for the next capture; None: nothing came in that time.
+
+        Raises SourceLost, EndOfSource, or UserError where the rest cannot be read.
+        """
+
+    def close(self) -> None:
+        """Let the device go. May be called twice."""

@@ -1,0 +1,58 @@
+"""A Matroska file before anybody reads it: is it one, and is it all there?
+
+Rule: nothing here knows what is recorded. EBML (RFC 8794) is what Matroska is written in: an
+element is an identity, a size and a content, and the element Segment holds everything.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import BinaryIO
+
+from halo_service.errors import UserError
+
+_EBML = b"\x1a\x45\xdf\xa3"
+_SEGMENT = b"\x18\x53\x80\x67"
+
+
+def open_matroska(path: Path) -> BinaryIO:
+    """Open `path`; raises UserError where there is no file, or one of another kind."""
+    try:
+        file = path.open("rb")
+    except FileNotFoundError as error:
+        raise UserError(f"{path} does not exist; check the recording's path.") from error
+    except IsADirectoryError as error:
+        raise UserError(f"{path} is a folder; name the recording inside it.") from error
+    except OSError as error:
+        raise UserError(f"{path} cannot be opened ({error.strerror}); check its rights.") from error
+    if file.read(len(_EBML)) == _EBML:
+        return file
+    file.close()
+    raise UserError(
+        f"{path} is not a Matroska file; name a recording made by an Azure Kinect (.mkv)."
+    )
+
+
+def declared_size(file: BinaryIO) -> int | None:
+    """How long the file says it is; None where it was never closed, or is cut off before that.
+
+    FFmpeg reads a truncated Matroska file to its last whole packet and then reports a normal
+    end. The Segment (EBML, RFC 8794) is the element that holds everything, with its size.
+    """
+    position = 0
+    while True:
+        file.seek(position)
+        head = file.read(12)
+        if len(head) < 6:
+            return None
+        identity = head[:4]
+        length = 9 - head[4].bit_length()
+        if length > 8 or len(head) < 4 + length:
+            return None
+        size = int.from_bytes(head[4 : 4 + length]) & ((1 << 7 * length) - 1)
+        end = position + 4 + length + size
+        if identity == _SEGMENT:
+            return None if size == (1 << 7 * length) - 1 else end
+        if identity != _EBML:
+            return None
+        position = end

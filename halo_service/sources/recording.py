@@ -1,0 +1,137 @@
+"""A recording, played like a camera: no SDK needed.
+
+Rule: this file decides when a frame is due and what time it carries; how a file is read is
+`matroska`'s matter.
+
+Time. As fast as it goes (`realtime=False`): the depth packets' own timestamps, no offset
+removed or added, so that the same file gives the same numbers. At its own pace (`realtime`):
+the first frame is due when it is first asked for, and frames carry the Unix time at which
+they are due, like a camera's. In a loop the next round goes on one frame period after the
+last, so time rises for ever either way.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import chain, islice
+from pathlib import Path
+
+from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera
+from halo_service.sources import EndOfSource
+from halo_service.sources.matroska import KinectFile, no_frames
+from halo_service.values import BadFrame, Frame, SourceKind
+
+_US_PER_S = 1_000_000
+_OPENING_CAPTURES = 300
+"""The first good frame has to be within these, 10 s: a camera may start with colour alone."""
+_HOPELESSLY_LATE_US = 1_000_000
+"""Who was asleep for longer goes on from now, like a camera, instead of racing to catch up."""
+
+
+class Recording:
+    """A `Source` that reads a recording of an Azure Kinect, or one of ours."""
+
+    kind: SourceKind = "recording"
+
+    def __init__(self, path: Path, *, realtime: bool, loop: bool) -> None:
+        """Open, check, and read on to the first good frame; raises UserError with the remedy."""
+        self._path = path
+        self._loop = loop
+        self._pace = _Pace() if realtime else None
+        self._file = KinectFile(path)
+        self.camera: Camera = self._file.camera
+        self._outcomes = self._from_first_frame()
+        self._ahead: Frame | BadFrame | None = None
+        """Read and decoded, but not yet due."""
+
+    def read(self, timeout_s: float) -> Frame | BadFrame | None:
+        """Give the next capture once it is due; raises UserError where the file breaks off."""
+        if self._ahead is None:
+            self._ahead = next(self._outcomes, None)
+        if self._ahead is None:
+            raise EndOfSource
+        capture = self._ahead
+        if self._pace is not None:
+            unix_us = self._pace.due_us(capture.time_us)
+            if not self._pace.wait_until(unix_us, timeout_s):
+                return None
+            capture = replace(capture, time_us=unix_us)
+        self._ahead = None
+        return capture
+
+    def close(self) -> None:
+        """Let the file go. May be called twice."""
+        self._file.close()
+
+    def _from_first_frame(self) -> Iterator[Frame | BadFrame]:
+        outcomes = self._rounds()
+        opening: list[Frame | BadFrame] = []
+        try:
+            for outcome in islice(outcomes, _OPENING_CAPTURES):
+                opening.append(outcome)
+                if isinstance(outcome, Frame):
+                    return chain(opening, outcomes)
+            raise no_frames(self._path)
+        except UserError:
+            self.close()
+            raise
+
+    def _rounds(self) -> Iterator[Frame | BadFrame]:
+        """Yield every capture, round after round, on the file's time carried on."""
+        shift_us = 0
+        while True:
+            times: list[int] = []
+            frames = 0
+            for capture in self._file.captures():
+                outcome = self._file.decode(capture)
+                frames += isinstance(outcome, Frame)
+                times.append(outcome.time_us)
+                yield replace(outcome, time_us=outcome.time_us + shift_us)
+            self._check_end(frames)
+            if not self._loop:
+                return
+            shift_us += max(times) - min(times) + round(_US_PER_S / self.camera.fps)
+            self._file.close()
+            self._file = KinectFile(self._path)
+
+    def _check_end(self, frames: int) -> None:
+        if frames == 0:
+            raise no_frames(self._path)
+        if not self._file.whole:
+            raise UserError(
+                f"{self._path} breaks off after {frames} frames: it is truncated or damaged; "
+                "copy or record it again."
+            )
+
+
+class _Pace:
+    """When a frame of the file is due, in Unix time; what comes first is due at once."""
+
+    def __init__(self) -> None:
+        # A host clock that is set while we play must neither stall nor rush the recording.
+        self._unix_minus_monotonic_us = _microseconds(time.time_ns() - time.monotonic_ns())
+        self._unix_minus_file_us: int | None = None
+
+    def due_us(self, file_us: int) -> int:
+        now_us = self._now_us()
+        if self._unix_minus_file_us is None:
+            self._unix_minus_file_us = now_us - file_us
+        late_us = now_us - (file_us + self._unix_minus_file_us)
+        if late_us > _HOPELESSLY_LATE_US:
+            self._unix_minus_file_us += late_us
+        return file_us + self._unix_minus_file_us
+
+    def wait_until(self, unix_us: int, timeout_s: float) -> bool:
+        wait_s = (unix_us - self._now_us()) / _US_PER_S
+        time.sleep(max(0.0, min(wait_s, timeout_s)))
+        return wait_s <= timeout_s
+
+    def _now_us(self) -> int:
+        return _microseconds(time.monotonic_ns()) + self._unix_minus_monotonic_us
+
+
+def _microseconds(ns: int) -> int:
+    return ns // 1000

@@ -1,0 +1,83 @@
+"""The control port: whatever comes, it goes on."""
+
+from __future__ import annotations
+
+import os
+import random
+import socket
+import time
+from collections.abc import Iterator
+
+import pytest
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from halo_service.errors import UserError
+from halo_service.outputs.control import QUEUE, ControlPort, Told
+
+
+@pytest.fixture
+def port() -> Iterator[tuple[ControlPort, socket.socket]]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        number = probe.getsockname()[1]
+    control = ControlPort("127.0.0.1", number)
+    client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    client.connect(("127.0.0.1", number))
+    yield control, client
+    client.close()
+    control.close()
+
+
+def wait_for(control: ControlPort, count: int) -> list[Told]:
+    got: list[Told] = []
+    until = time.monotonic() + 10.0
+    while len(got) < count and time.monotonic() < until:
+        got += control.take()
+        time.sleep(0.005)
+    return got
+
+
+def message(address: str, *arguments: object) -> bytes:
+    builder = OscMessageBuilder(address)
+    for argument in arguments:
+        builder.add_arg(argument)
+    return bytes(builder.build().dgram)
+
+
+def test_a_message_is_taken(port: tuple[ControlPort, socket.socket]) -> None:
+    control, client = port
+    client.send(message("/halo/1/sim/finger", 2, 1, 150.0, 100.0, 12.5, 0.0))
+    (told,) = wait_for(control, 1)
+    assert told.address == "/halo/1/sim/finger"
+    assert told.arguments == (2, 1, 150.0, 100.0, 12.5, 0.0)
+
+
+def test_rubbish_is_counted_and_the_next_message_heard(
+    port: tuple[ControlPort, socket.socket],
+) -> None:
+    control, client = port
+    chance = random.Random(1)
+    rubbish = [os.urandom(chance.randrange(1, 200)) for _ in range(100)]
+    rubbish += [b"", b"/", b"#bundle\0", b"#bundle\0" + b"\xff" * 12, b"/a\0\0,i\0\0"]
+    for datagram in rubbish:
+        client.send(datagram)
+        time.sleep(0.001)
+    client.send(message("/halo/1/control/background"))
+    heard = [told for told in wait_for(control, 1) if told.address.startswith("/halo")]
+    assert heard[-1].address == "/halo/1/control/background"
+    assert control.bad >= 90
+
+
+def test_the_queue_has_a_bound(port: tuple[ControlPort, socket.socket]) -> None:
+    control, client = port
+    for n in range(QUEUE + 50):
+        client.send(message("/n", n))
+        time.sleep(0.0005)
+    time.sleep(0.3)
+    assert len(control.take()) <= QUEUE
+
+
+def test_a_port_in_use_is_one_sentence(port: tuple[ControlPort, socket.socket]) -> None:
+    _, client = port
+    with pytest.raises(UserError, match="another halo service may be running"):
+        ControlPort("127.0.0.1", client.getpeername()[1])

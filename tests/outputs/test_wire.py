@@ -1,0 +1,82 @@
+"""From the house's values to the promise's bytes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import halo_protocol as wire
+from halo_service.outputs.wire import Wire
+from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch, TouchEvent, TouchFrame
+
+FRAME_US = 33_333
+NOTHING = Diagnostics((0, 0, 500), (320, 288), 0.0, 0.0, 0.0, 14.0, 45.0, 0.0)
+POINTER = Pointer(
+    7,
+    0,
+    Side.RIGHT,
+    Finger.INDEX,
+    Touch.TOUCH,
+    150.0,
+    50.0,
+    0.0,
+    0.5,
+    112.5,
+    1.0,
+    2.0,
+    0.9,
+    3,
+    NOTHING,
+)
+DOWN = TouchEvent("down", 7, 0, 150.0, 50.0, 300.0, 12.0, 3)
+
+
+def told(n: int, pointers: tuple[Pointer, ...] = (), *events: TouchEvent) -> TouchFrame:
+    return TouchFrame(1_700_000_000_000_000 + n * FRAME_US, "table", 300.0, 200.0, pointers, events)
+
+
+def messages(datagrams: list[bytes]) -> list[wire.Message]:
+    return [message for datagram in datagrams for _, message in wire.decode(datagram)]
+
+
+def test_a_frame_says_what_the_house_knows() -> None:
+    header, *rest = messages(Wire("desk", "s1", 41).frame(told(0, (POINTER,))))
+    assert header == wire.Frame("desk", "s1", 41, 1_700_000_000, 0, 1)
+    pointer, alive = rest
+    assert isinstance(pointer, wire.Pointer)
+    assert (pointer.id, pointer.u, pointer.v) == (7, 0.5, 0.25)
+    assert (pointer.state, pointer.hand, pointer.finger) == (1, 2, 1)
+    assert pointer.force_g == 112.5
+    assert alive == wire.Alive((7,))
+
+
+def test_an_event_is_told_three_times_with_its_age() -> None:
+    frames = Wire("desk", "s1", 0)
+    seen = []
+    for n in range(5):
+        datagrams = frames.frame(told(n, (POINTER,), *([DOWN] if n == 1 else [])))
+        seen.append([m for m in messages(datagrams) if isinstance(m, wire.Down)])
+    assert [len(downs) for downs in seen] == [0, 1, 1, 1, 0]
+    ages = [downs[0].ago_ms for downs in seen[1:4]]
+    assert ages == pytest.approx([12.0, 12.0 + 33.333, 12.0 + 66.666], abs=1e-3)
+    assert {downs[0].contacts for downs in seen[1:4]} == {3}
+
+
+def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -> None:
+    for lost in ({1, 2}, {1, 3}, {2, 3}, set()):
+        frames, client = Wire("desk", "s1", 0), wire.Assembler()
+        hits = 0
+        for n in range(6):
+            pointer = replace(POINTER, contacts=3 if n else 2)
+            for datagram in frames.frame(told(n, (pointer,), *([DOWN] if n == 1 else []))):
+                if n not in lost:
+                    events = client.receive_data(datagram, n / 30)
+                    hits += sum(len(e.downs) for e in events if isinstance(e, wire.TouchFrame))
+        assert hits == 1, lost
+
+
+def test_frames_count_up() -> None:
+    frames = Wire("desk", "s1", 2**31 - 1)
+    numbers = [messages(frames.frame(told(n)))[0] for n in range(2)]
+    assert [header.frame for header in numbers if isinstance(header, wire.Frame)] == [2**31 - 1, 0]

@@ -1,0 +1,124 @@
+"""Recordings to read: a small one of ours, and foreign ones made piece by piece."""
+
+import struct
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from halo_service.geometry import k4a
+from halo_service.geometry.camera import Camera, Lens
+from halo_service.outputs.recorder import Recorder
+from halo_service.values import Frame
+
+JPEG = b"\xff\xd8 not looked into by anybody here \xff\xd9"
+PERIOD_US = 33_333
+
+
+@pytest.fixture(scope="session")
+def small_camera() -> Camera:
+    return Camera(
+        serial="0123",
+        depth_mode="NFOV_2X2BINNED",
+        fps=30,
+        depth=Lens(320, 288, 252.0, 252.0, 160.0, 144.0, (0.5, -0.02, 1e-5, 1e-5, 0, 0.9, 0, 0)),
+        colour=Lens(1280, 720, 612.0, 612.0, 640.0, 360.0),
+        colour_from_depth=np.eye(4),
+    )
+
+
+@pytest.fixture(scope="session")
+def small_frames() -> list[Frame]:
+    rng = np.random.default_rng(1)
+    flat = np.full((288, 320), 700, np.uint16)
+    return [
+        Frame(
+            463_000 + n * PERIOD_US,
+            flat + rng.integers(0, 4, flat.shape, np.uint16),
+            flat * 2 + rng.integers(0, 9, flat.shape, np.uint16),
+            JPEG + bytes([n]),
+        )
+        for n in range(6)
+    ]
+
+
+@pytest.fixture(scope="session")
+def small_recording(tmp_path_factory, small_camera, small_frames) -> Path:
+    path = tmp_path_factory.mktemp("recording") / "small.mkv"
+    with Recorder(path, small_camera, fps=30, colour=True) as recorder:
+        for frame in small_frames:
+            assert recorder.write(frame)
+    return path
+
+
+@pytest.fixture
+def foreign(tmp_path, small_camera):
+    """Write a Matroska file of three pictures a track; `missing`, `spoilt`: (track, ms) pairs."""
+
+    def write(
+        tracks=("DEPTH", "IR"),
+        *,
+        pix_fmt="gray16le",
+        codec="ffv1",
+        size=(320, 288),
+        depth_mode="NFOV_2X2BINNED",
+        calibration: bytes | None = k4a.to_json(small_camera),
+        times_ms=(0, 33, 66),
+        missing=(),
+        spoilt=(),
+    ) -> Path:
+        path = tmp_path / "foreign.mkv"
+        with av.open(path, "w", container_options={"allow_raw_vfw": "1"}) as container:
+            streams = []
+            for title in tracks:
+                raw_colour = title == "NV12"
+                stream = container.add_stream("rawvideo" if raw_colour else codec, 30)
+                stream.width, stream.height = (1280, 720) if raw_colour else size
+                stream.pix_fmt = "nv12" if raw_colour else pix_fmt
+                stream.codec_context.time_base = Fraction(1, 1000)
+                stream.metadata.update(
+                    title="COLOR" if raw_colour else title,
+                    K4A_DEPTH_MODE=depth_mode,
+                    K4A_COLOR_MODE="NV12_720P",
+                )
+                streams.append(stream)
+            if calibration is not None:
+                container.add_attachment("calibration.json", "text/plain", calibration)
+            for time_ms in times_ms:
+                for title, stream in zip(tracks, streams, strict=True):
+                    for packet in stream.encode(picture(stream, time_ms)):
+                        if (title, time_ms) in spoilt:
+                            packet = rubbish_instead_of(packet)
+                        if (title, time_ms) not in missing:
+                            container.mux(packet)
+        if codec == "rawvideo" and pix_fmt == "gray16be":
+            name_as_the_sdk_does(path)
+        return path
+
+    return write
+
+
+def picture(stream, time_ms) -> av.VideoFrame:
+    width, height = stream.width, stream.height
+    grey = np.arange(width * height, dtype=np.uint32).astype(np.uint16).reshape(height, width)
+    frame = av.VideoFrame.from_ndarray(grey + np.uint16(time_ms), format="gray16le")
+    frame = frame.reformat(format=stream.pix_fmt)
+    frame.pts, frame.time_base = time_ms, Fraction(1, 1000)
+    return frame
+
+
+def rubbish_instead_of(packet: av.Packet) -> av.Packet:
+    rubbish = av.Packet(b"rubbish" * 99)
+    rubbish.stream, rubbish.time_base = packet.stream, packet.time_base
+    rubbish.pts, rubbish.dts = packet.pts, packet.dts
+    return rubbish
+
+
+def name_as_the_sdk_does(path: Path) -> None:
+    """FFmpeg writes 16-bit pictures without a name; the SDK calls its big-endian grey b16g."""
+    unnamed, named = (struct.pack("<HH4s", 1, 16, name) for name in (b"\0" * 4, b"b16g"))
+    data = path.read_bytes()
+    assert unnamed in data
+    path.write_bytes(data.replace(unnamed, named))

@@ -1,0 +1,171 @@
+"""The halo: how deep the surface seems dented around a finger.
+
+This is phenomenological. The physics of a few diffuse bounces gives dents of 1 to 2 mm; the
+paper shows 8 mm and more, the rest is the sensor's own processing, which nobody outside knows.
+So nothing here is derived: curves of the right shape are scaled to what the paper reports.
+A figure measured on these curves is a claim about the pipeline that reads them, not about the
+world. Constants say where they come from: a section of the paper, or "chosen".
+
+The model in three lines. Every low point of a hand (fingertips, undersides of bones, palm) casts
+a dent `depth(height, force) * footprint(distance)` on the surface around it. Dents of one hand
+and its neighbours melt together. Only the surface is dented, never the hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.virtual.mesh import Floats
+
+APPROACH_MM, CONTACT_MM, PRESS_MM = 22.0, 5.0, 9.0
+"""Depth that approach, contact and a firm press add on paper at 0.5 m. Chosen so that outside
+the finger about 8 mm are seen at 10 mm of height, where the halo just becomes visible (4.3.5) at
+the paper's threshold of 8 (4.3.1), and the four states stand in order."""
+CONTACT_ONSET_MM = 2.0
+"""Where contact begins to be felt by the light; subtle (1 mm) lies between. Chosen."""
+FIRM_G = 385.0
+"""The strongest press of the paper's study (5.2)."""
+RADIUS_MM = 11.0
+"""Of the footprint at 0.5 m. The paper's patch of 30x20 pixels (about as many mm) holds a whole
+halo (4.3.3)."""
+REFERENCE_MM = 500.0
+"""The paper's working distance (5.1)."""
+SIDE_WEIGHT = 0.6
+"""What an underside that is no fingertip dents, of what a fingertip at its height does. Chosen."""
+MELT = 3.0
+"""Order of the norm by which dents melt together: below the sum, above the deepest. Chosen."""
+
+
+def _straight(height: Floats, onset: float) -> Floats:
+    return (1.0 - height / onset) ** 0.9
+
+
+def _exponential(height: Floats, onset: float) -> Floats:
+    length = 1.5 * onset
+    end = np.exp(-onset / length)
+    return np.asarray((np.exp(-height / length) - end) / (1.0 - end))
+
+
+def _sigmoid(height: Floats, onset: float) -> Floats:
+    def raw(h: Floats | float) -> Floats:
+        return np.asarray(1.0 / (1.0 + np.exp((np.asarray(h) - 0.5 * onset) / (0.16 * onset))))
+
+    return (raw(height) - raw(onset)) / (raw(0.0) - raw(onset))
+
+
+FAMILIES: dict[str, Callable[[Floats, float], Floats]] = {
+    "straight": _straight,
+    "exponential": _exponential,
+    "sigmoid": _sigmoid,
+}
+"""Shapes of the approach: height, onset -> 0 at the onset, 1 at contact. The paper gives the
+ends (onset at about 20 mm, 4.1.3) and says that every dependence is non-linear; the shapes in
+between are chosen, several, so that nothing is tuned to one."""
+
+
+@dataclass(frozen=True, slots=True)
+class HaloCurve:
+    """How one user's finger on one table grows its halo."""
+
+    family: str = "straight"
+    onset_mm: float = 20.0
+    """Height where the halo begins (4.1.3: about 2 cm)."""
+    gain: float = 1.0
+    """Of the chosen depths; users differ."""
+    press_g: float = 120.0
+    """Force at which 1 - 1/e of the press's dent is there; chosen, as the pad flattens."""
+    across_deg: float = 0.0
+    """Direction over the table in which the halo varies by place; chosen per seed."""
+
+
+def depth(
+    curve: HaloCurve,
+    height_mm: float,
+    force_g: float = 0.0,
+    fade: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> float:
+    """Depth under a fingertip on paper, mm; `fade` scales approach, contact and press apart."""
+    height = float(np.clip(height_mm, 0.0, curve.onset_mm))
+    approach = float(FAMILIES[curve.family](np.array(height), curve.onset_mm))
+    contact = max(0.0, 1.0 - height / CONTACT_ONSET_MM) ** 2
+    press = (1.0 - np.exp(-force_g / curve.press_g)) / (1.0 - np.exp(-FIRM_G / curve.press_g))
+    parts = APPROACH_MM * approach, CONTACT_MM * contact, PRESS_MM * float(press)
+    return curve.gain * sum(f * p for f, p in zip(fade, parts, strict=True))
+
+
+# Fading of approach, contact and press, of their strength at 0.5 m straight above. The paper's
+# statements (6.4): approach below 50 % at 80 cm, 25 degrees yaw, 15 degrees pitch; contact above
+# 75 % to 100 cm, 50, 45; press above 75 % to 70 cm, 35, 45, and amplified from -35 to 0 degrees
+# of pitch. Between and beyond: chosen.
+_FADE_DISTANCE = (
+    (300.0, 500.0, 800.0, 1000.0, 1500.0),
+    ((1.15, 1.0, 0.48, 0.30, 0.0), (1.05, 1.0, 0.86, 0.80, 0.40), (1.1, 1.0, 0.68, 0.5, 0.2)),
+)
+_FADE_YAW = (
+    (0.0, 10.0, 25.0, 35.0, 50.0, 70.0),
+    (
+        (1.0, 0.85, 0.48, 0.35, 0.2, 0.0),
+        (1.0, 0.99, 0.95, 0.90, 0.80, 0.3),
+        (1.0, 0.97, 0.87, 0.79, 0.55, 0.1),
+    ),
+)
+_FADE_PITCH = (
+    (-60.0, -45.0, -35.0, -15.0, 0.0, 15.0, 45.0, 60.0),
+    (
+        (0.1, 0.2, 0.3, 0.48, 1.0, 0.48, 0.2, 0.1),
+        (0.6, 0.8, 0.88, 0.96, 1.0, 0.96, 0.8, 0.6),
+        (0.6, 0.85, 1.05, 1.2, 1.0, 0.94, 0.8, 0.5),
+    ),
+)
+
+
+def fading(distance_mm: float, yaw_deg: float, pitch_deg: float) -> tuple[float, float, float]:
+    """What camera distance and tilt leave of approach, contact and press."""
+    parts = []
+    for part in range(3):
+        by_distance = np.interp(distance_mm, _FADE_DISTANCE[0], _FADE_DISTANCE[1][part])
+        by_yaw = np.interp(abs(yaw_deg), _FADE_YAW[0], _FADE_YAW[1][part])
+        by_pitch = np.interp(pitch_deg, _FADE_PITCH[0], _FADE_PITCH[1][part])
+        parts.append(float(by_distance * by_yaw * by_pitch))
+    return parts[0], parts[1], parts[2]
+
+
+_POSTURE = (0.0, 15.0, 30.0, 45.0, 60.0, 90.0), (0.3, 0.8, 0.95, 1.0, 0.97, 0.9)
+
+
+def posture(pitch_deg: float) -> float:
+    """What the finger's pitch leaves: weak below 15 degrees (4.3.4), else nearly flat (chosen)."""
+    return float(np.interp(pitch_deg, *_POSTURE))
+
+
+def by_place(curve: HaloCurve, x_mm: float, y_mm: float) -> float:
+    """The halo is not the same everywhere (4.1.3): a slope of +-8 % over 15 cm, chosen."""
+    across = np.radians(curve.across_deg)
+    return float(1.0 + 0.08 * np.tanh((x_mm * np.cos(across) + y_mm * np.sin(across)) / 150.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Dent:
+    """What one low point of a hand does to the surface."""
+
+    x_mm: float
+    y_mm: float
+    """On the surface."""
+    depth_mm: float
+    radius_mm: float
+
+
+def dent_field(
+    dents: list[Dent], x_mm: NDArray[np.float32], y_mm: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Depth of all dents melted together at places on the surface, mm; any shape of x and y."""
+    total = np.zeros(x_mm.shape, np.float32)
+    for dent in dents:
+        away = ((x_mm - dent.x_mm) ** 2 + (y_mm - dent.y_mm) ** 2) / np.float32(dent.radius_mm**2)
+        # exp(-(r/R)^3), raised to the norm's order: flat under the finger, then a soft shoulder.
+        total += np.float32(dent.depth_mm**MELT) * np.exp(np.float32(-MELT) * away * np.sqrt(away))
+    return np.asarray(np.cbrt(total) if MELT == 3.0 else total ** (1.0 / MELT), dtype=np.float32)

@@ -1,0 +1,123 @@
+"""The virtual Kinect as a live source, in a process of its own.
+
+Rule: this side only waits and copies. Frames come through a small ring in shared memory, the
+newest wins, and whoever is slow misses some, as with a real device. The other side stands in
+`worker`; it ends when this process does, however that happens.
+"""
+
+from __future__ import annotations
+
+import atexit
+import multiprocessing
+import time
+from multiprocessing.shared_memory import SharedMemory
+from typing import Any, Final
+
+from halo_service.errors import UserError
+from halo_service.geometry.surface import Surface
+from halo_service.values import BadFrame, Frame, SourceKind
+from halo_service.virtual import worker
+from halo_service.virtual.camera import factory
+from halo_service.virtual.naming import Wish
+from halo_service.virtual.ring import RING_BYTES, Ring
+
+START_S = 20.0
+"""A worker that has not shown a frame by then has hung; usual is under 2 s."""
+
+
+class VirtualKinect:
+    """A camera that is not there. Call `close()` when done, or use it in a `with`."""
+
+    kind: Final[SourceKind] = "virtual"
+
+    def __init__(self, wish: Wish, *, colour: bool = True, truth_path: str | None = None) -> None:
+        """Start the worker; the first frame follows within about two seconds.
+
+        `truth_path` writes the truth beside, one JSON line a frame and a touch.
+        """
+        self.camera = factory()
+        self.surface: Surface = wish.room.surface()
+        self.room = wish.room
+        self._memory = SharedMemory(create=True, size=RING_BYTES)
+        self._ring = Ring(self._memory)
+        context = multiprocessing.get_context("spawn")
+        self._pipe, far_end = context.Pipe()
+        self._process = context.Process(
+            target=worker.run,
+            args=(far_end, self._memory.name, wish, colour, truth_path),
+            name="virtual-kinect",
+            daemon=True,
+        )
+        self._process.start()
+        far_end.close()
+        # The worker is deaf to signals: without this, forgetting `close()` would hang the exit.
+        atexit.register(self.close)
+        self._seen = 0
+        self._deadline: float | None = time.monotonic() + START_S
+
+    def read(self, timeout_s: float) -> Frame | BadFrame | None:
+        """The newest frame not read yet, waiting for one; None when none came in time.
+
+        Raises UserError when the worker has died.
+        """
+        frame = self._ring.newest(after=self._seen)
+        if frame is None:
+            self._ask(timeout_s)
+            frame = self._ring.newest(after=self._seen)
+        if frame is None:
+            if self._deadline is not None and time.monotonic() > self._deadline:
+                raise UserError(
+                    "The virtual Kinect does not start; try again on a less busy machine."
+                )
+            return None
+        self._deadline = None
+        self._seen, picture = frame
+        return picture
+
+    def tell(self, message: Any) -> None:
+        """Hand a message to the scenario (the `hand` scenario listens)."""
+        try:
+            self._pipe.send(("tell", message))
+        except OSError:
+            raise self._died() from None
+
+    def close(self) -> None:
+        """End the worker and give the memory back. May be called twice."""
+        if self._pipe.closed:
+            return
+        atexit.unregister(self.close)
+        self._pipe.close()
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._ring.release()
+        self._memory.close()
+        self._memory.unlink()
+
+    def __enter__(self) -> VirtualKinect:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _ask(self, timeout_s: float) -> None:
+        """Wait until the worker says that there is a newer frame than the last one read."""
+        try:
+            self._pipe.send(("next", self._seen))
+            end = time.monotonic() + timeout_s
+            while self._pipe.poll(max(0.0, end - time.monotonic())):
+                answer, number = self._pipe.recv()
+                if answer == "failed":
+                    raise UserError(number)
+                if number > self._seen:
+                    return
+        except (EOFError, OSError):
+            raise self._died() from None
+
+    def _died(self) -> UserError:
+        self._process.join(1.0)
+        return UserError(
+            f"The virtual Kinect's process ended unexpectedly (code {self._process.exitcode}); "
+            "start it again."
+        )

@@ -1,0 +1,71 @@
+"""What a hand looks like: skin, nails, sleeve, vertex by vertex.
+
+Rule: reflectances only, 0 to 1; light is the images' business.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.values import Finger
+from halo_service.virtual.anatomy import PLANS, finger_direction, hand_mesh, joints
+from halo_service.virtual.skeleton import User
+
+NAIL_SHINE = 1.12
+"""A nail's infrared against skin's, chosen."""
+NAIL_COLOUR = (0.72, 0.74, 0.92)
+CLOTH_INFRARED, CLOTH_COLOUR = 0.45, (0.35, 0.22, 0.18)
+"""A blue sleeve. Dark dyes are bright in the near infrared: chosen."""
+CLOTH_MM = 6.0
+"""How far a sleeve stands off the arm, chosen."""
+
+Reflectance = NDArray[np.float32]
+
+
+@functools.lru_cache(maxsize=8)
+def infrared(user: User) -> Reflectance:
+    """(V,) reflectance in the near infrared."""
+    skin = np.full(len(hand_mesh(user.girth).vertices), user.skin)
+    skin[_nails(user)] *= NAIL_SHINE
+    skin[_sleeve(user)] = CLOTH_INFRARED
+    return skin.astype(np.float32)
+
+
+@functools.lru_cache(maxsize=8)
+def colour(user: User) -> Reflectance:
+    """(V, 3) blue, green, red."""
+    skin = np.tile(np.array(user.tone), (len(hand_mesh(user.girth).vertices), 1))
+    nails = _nails(user)
+    skin[nails] = 0.6 * skin[nails] + 0.4 * np.array(NAIL_COLOUR)
+    skin[_sleeve(user)] = CLOTH_COLOUR
+    return skin.astype(np.float32)
+
+
+@functools.lru_cache(maxsize=8)
+def cloth_mm(user: User) -> Reflectance:
+    """(V,) how far the surface stands off the skin."""
+    return (CLOTH_MM * _sleeve(user)).astype(np.float32)
+
+
+def _sleeve(user: User) -> NDArray[np.bool_]:
+    """(V,) what is inside a sleeve."""
+    along_arm = hand_mesh(user.girth).vertices[:, 1]
+    begins = np.inf if user.sleeve_mm is None else user.sleeve_mm
+    return np.asarray(along_arm > begins, dtype=np.bool_)
+
+
+def _nails(user: User) -> NDArray[np.bool_]:
+    """(V,) where the back of a last segment faces up, near its end."""
+    mesh = hand_mesh(user.girth)
+    nails = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    for finger in Finger:
+        plan = PLANS[finger]
+        tip, along = joints(finger)[3], finger_direction(plan.yaw_deg)
+        from_end = (tip + along * plan.radii[3] * user.girth - mesh.vertices) @ along
+        on_finger = np.linalg.norm(mesh.vertices - tip, axis=1) < 1.6 * user.nail_mm
+        on_back = mesh.normals[:, 2] < -0.6
+        nails |= on_finger & on_back & (from_end > 1.5) & (from_end < user.nail_mm)
+    return nails

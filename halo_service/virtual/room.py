@@ -1,0 +1,172 @@
+"""One seed is one user at one place: everything that stays the same from scenario to scenario.
+
+Rule: what a seed draws stands here and nowhere else, each draw with a stream of its own, so that
+overriding one thing by name leaves the others as they were.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import zlib
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from halo_service.errors import UserError
+from halo_service.geometry.camera import Points
+from halo_service.geometry.surface import Surface
+from halo_service.values import Side
+from halo_service.virtual.halo import FAMILIES, HaloCurve
+from halo_service.virtual.materials import MATERIALS, STUDIED, Material
+from halo_service.virtual.projector import Projector
+from halo_service.virtual.props import PROPS
+from halo_service.virtual.skeleton import User
+
+WIDTH_MM, HEIGHT_MM = 300.0, 200.0
+"""The paper's interaction area at 0.5 m (6.4)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A place and the person in it."""
+
+    seed: int = 1
+    camera_height_mm: float = 500.0
+    """From the depth lens to the surface, along the optical axis."""
+    camera_pitch_deg: float = 0.0
+    """0 looks straight down, positive looks towards the far edge."""
+    camera_yaw_deg: float = 0.0
+    """Positive looks to the right."""
+    material: str = "paper"
+    user: User = field(default_factory=User)
+    dominant: Side = Side.RIGHT
+    curve: HaloCurve = field(default_factory=HaloCurve)
+    noise: float = 1.0
+    """Times the sensor's own noise."""
+    drop: float = 0.005
+    """Share of frames that never arrive."""
+    light: float = 1.0
+    """Room light, of a well-lit office."""
+    props: tuple[str, ...] = ()
+    """What lies on the table, of `props.PROPS`."""
+    projected: str | None = None
+    """What the projector shows, of `pictures.PICTURES`, or a file; None: it is off."""
+    projector: Projector = field(default_factory=Projector)
+    labels: str | None = None
+    """The label file that the scenario `labels` plays."""
+
+    @property
+    def surface_material(self) -> Material:
+        """What the table is made of."""
+        return MATERIALS[self.material]
+
+    def surface(self) -> Surface:
+        """The default surface, from the camera's view: 300 x 200 mm around the optical axis."""
+        normal = _down(self.camera_pitch_deg, self.camera_yaw_deg)
+        ahead = np.array([1.0, 0.0, 0.0])
+        x = ahead - (ahead @ normal) * normal
+        x /= np.linalg.norm(x)
+        y = np.cross(normal, x)
+        camera_from_surface = np.eye(4)
+        camera_from_surface[:3, :3] = np.column_stack([x, y, normal])
+        centre = np.array([0.0, 0.0, self.camera_height_mm])
+        camera_from_surface[:3, 3] = centre - x * WIDTH_MM / 2.0 - y * HEIGHT_MM / 2.0
+        return Surface("table", WIDTH_MM, HEIGHT_MM, camera_from_surface)
+
+
+def _down(pitch_deg: float, yaw_deg: float) -> Points:
+    """Unit normal into the surface, in the depth camera's frame."""
+    pitch, yaw = np.radians(pitch_deg), np.radians(yaw_deg)
+    return np.array([-np.sin(yaw), np.sin(pitch) * np.cos(yaw), np.cos(pitch) * np.cos(yaw)])
+
+
+def _stream(seed: int, what: str) -> np.random.Generator:
+    return np.random.default_rng([seed, zlib.crc32(what.encode())])
+
+
+def draw_user(seed: int) -> User:
+    """Somebody: sizes within two thirds of adults, all skin types."""
+    draw = _stream(seed, "user")
+    depth = draw.uniform(0.0, 1.0)
+    light, dark = np.array([0.52, 0.64, 0.86]), np.array([0.16, 0.22, 0.36])
+    tone = light + (dark - light) * depth
+    return User(
+        size=float(draw.uniform(0.92, 1.08)),
+        # In five steps, so that a process builds few meshes.
+        girth=float(draw.choice([0.9, 0.95, 1.0, 1.05, 1.1])),
+        pad_g=float(draw.uniform(70.0, 120.0)),
+        pad_mm=float(draw.uniform(1.8, 2.6)),
+        skin=float(0.62 - 0.14 * depth + draw.normal(0.0, 0.02)),
+        tone=(float(tone[0]), float(tone[1]), float(tone[2])),
+        skin_depth_mm=float(draw.uniform(1.0, 4.0)),
+        nail_mm=float(draw.uniform(7.0, 13.0)),
+        sleeve_mm=float(draw.uniform(30.0, 120.0)) if draw.random() < 0.5 else None,
+        curl=float(draw.uniform(0.3, 1.0)),
+    )
+
+
+def draw_room(seed: int, **overrides: object) -> Room:
+    """What a seed draws, with what is overridden by name (any field of `Room`, or `family`).
+
+    Raises UserError for a negative seed, an unknown name or material, a size out of range.
+    """
+    if seed < 0:
+        raise UserError(f"The virtual Kinect's seed is {seed}; give a whole number from 0 up.")
+    place = _stream(seed, "camera")
+    drawn = Room(
+        seed=seed,
+        camera_height_mm=float(np.round(place.uniform(460.0, 620.0))),
+        camera_pitch_deg=float(place.uniform(-3.0, 3.0)),
+        camera_yaw_deg=float(place.uniform(-3.0, 3.0)),
+        material=str(_stream(seed, "material").choice(STUDIED)),
+        user=draw_user(seed),
+        # 9 of the paper's 12 participants were right-handed (5.1).
+        dominant=Side.RIGHT if _stream(seed, "hand").uniform() < 0.75 else Side.LEFT,
+        curve=draw_curve(seed, overrides.pop("family", None)),
+        light=float(_stream(seed, "light").uniform(0.6, 1.1)),
+    )
+    return check(dataclasses.replace(drawn, **overrides))  # type: ignore[arg-type]  # by name
+
+
+def draw_curve(seed: int, family: object) -> HaloCurve:
+    """How this finger's halo grows on this table."""
+    draw = _stream(seed, "halo")
+    name = str(draw.choice(sorted(FAMILIES)))
+    return HaloCurve(
+        family=name if family is None else str(family),
+        onset_mm=float(draw.uniform(19.0, 22.0)),
+        gain=float(draw.uniform(0.9, 1.15)),
+        press_g=float(draw.uniform(90.0, 160.0)),
+        across_deg=float(draw.uniform(0.0, 360.0)),
+    )
+
+
+def check(room: Room) -> Room:
+    """Raise UserError for a room that cannot be; else hand it back."""
+    if room.material not in MATERIALS:
+        raise UserError(
+            f"The virtual Kinect knows no material {room.material!r}; "
+            f"known: {', '.join(MATERIALS)}."
+        )
+    for name in room.props:
+        if name not in PROPS:
+            raise UserError(
+                f"The virtual Kinect knows no object {name!r}; known: {', '.join(PROPS)}."
+            )
+    if room.curve.family not in FAMILIES:
+        raise UserError(
+            f"The virtual Kinect knows no halo family {room.curve.family!r}; "
+            f"known: {', '.join(sorted(FAMILIES))}."
+        )
+    for name, low, high in (
+        ("camera_height_mm", 300.0, 1500.0),
+        ("camera_pitch_deg", -60.0, 60.0),
+        ("camera_yaw_deg", -60.0, 60.0),
+        ("noise", 0.0, 10.0),
+        ("drop", 0.0, 0.9),
+        ("light", 0.0, 4.0),
+    ):
+        value = getattr(room, name)
+        if not low <= value <= high:
+            raise UserError(f"The virtual Kinect's {name} is {value:g}; give {low:g} to {high:g}.")
+    return room

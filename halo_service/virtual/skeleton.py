@@ -1,0 +1,219 @@
+"""A hand's skeleton and skin: from joint angles to every vertex.
+
+Rule: pure geometry, in the surface's frame (x right, y towards the user, z down into the
+surface; height is -z). Which angles a hand takes stands in `hand`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from halo_service.values import Finger, Side
+from halo_service.virtual.anatomy import ARM, BONES, PLANS, bone_of, hand_mesh, joints
+from halo_service.virtual.mesh import Floats, Ints
+
+Angles = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class User:
+    """Whose hands these are."""
+
+    size: float = 1.0
+    """Length of the hand in that of the table in `anatomy`."""
+    girth: float = 1.0
+    """Thickness of its flesh, likewise, before `size`."""
+    pad_g: float = 90.0
+    """Force at which the pad has given way by 1 - 1/e of what it can, grams. Fingertips are soft
+    at first and stiffen (Serina et al. 1997: most of the travel is used up at 1 N = 102 g)."""
+    pad_mm: float = 2.2
+    """How far the pad can give way, mm; about 2 mm at 1 N (Serina et al. 1997)."""
+    skin: float = 0.55
+    """Reflectance of the skin in the near infrared; 0.4 to 0.65 over all skin types, nearly
+    blind to the melanin that the eye sees (chosen within published spectra at 850 nm)."""
+    tone: tuple[float, float, float] = (0.36, 0.48, 0.70)
+    """Colour of the skin, blue green red, 0 to 1."""
+    skin_depth_mm: float = 2.0
+    """How much too far skin reads, as light goes into it; 1 to 4 mm, chosen."""
+    nail_mm: float = 10.0
+    """Visible length of the nails."""
+    sleeve_mm: float | None = None
+    """Where a sleeve begins, from the wrist towards the elbow; None: bare arm."""
+    curl: float = 1.0
+    """How far a pointing hand's other fingers are drawn in: 0 loose, 1 near the palm (5.1)."""
+
+
+@dataclass(frozen=True, slots=True)
+class FingerPose:
+    """Where one fingertip is wanted: the whole of a pointing hand, in six numbers."""
+
+    x_mm: float
+    y_mm: float
+    """The pad's lowest point on the surface."""
+    height_mm: float
+    """Of that point above the surface; 0 in contact."""
+    force_g: float = 0.0
+    """0 unless in contact."""
+    pitch_deg: float = 45.0
+    """Of the last segment: 0 lying flat, 90 upright."""
+    yaw_deg: float = 0.0
+    """Of the last segment: 0 pointing to the far edge, positive clockwise from above."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HandPose:
+    """A hand with every joint set."""
+
+    side: Side
+    surface_from_hand: Floats
+    """(4, 4), mm; the hand's frame is that of `anatomy`, mirrored for a left hand."""
+    flexion: tuple[Angles, ...]
+    """Five fingers, three joints each, degrees downwards."""
+    spread: tuple[float, ...]
+    """Five fingers, degrees away from rest, positive towards the little finger."""
+    arm_pitch_deg: float = 0.0
+    """The wrist: how much steeper the forearm rises than the hand, degrees."""
+    force_g: tuple[float, ...] = (0.0,) * 5
+    """What each finger presses with; 0 where it does not touch."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosedHand:
+    """A hand in place: its skin, and what is true of its fingers."""
+
+    side: Side
+    vertices: Floats
+    """(V, 3) in the surface's frame, mm."""
+    normals: Floats
+    """(V, 3), unit."""
+    faces: Ints
+    """(F, 3), anti-clockwise seen from outside."""
+    joints: Floats
+    """(5, 4, 3) each finger's three joints and the centre of its tip's sphere, mm."""
+    radii: Floats
+    """(5, 4) thickness at those, mm."""
+    palm: Floats
+    """(5, 3) the wrist and the four knuckles, mm: a palm rests on the flesh between them."""
+    force_g: tuple[float, ...]
+    velocity_mm_s: Floats
+    """(3,) of the hand as a whole: what smears it in a long exposure."""
+
+    def pointing(self, finger: Finger) -> bool:
+        """Whether a finger is stretched out far enough to point; curled ones are not, and a
+        thumb only when the whole hand is open or it presses."""
+        if finger is Finger.THUMB and self.force_g[finger] == 0.0:
+            return all(self.pointing(f) for f in (Finger.MIDDLE, Finger.RING, Finger.LITTLE))
+        first, last = (self.joints[finger, k + 1] - self.joints[finger, k] for k in (0, 2))
+        bend = np.arccos(np.clip(_unit(first) @ _unit(last), -1.0, 1.0))
+        return bool(np.degrees(bend) < POINTING_DEG)
+
+    def pad(self, finger: Finger) -> Floats:
+        """(3,) the lowest point of a fingertip; z is pressed into the surface in contact."""
+        below = np.array([0.0, 0.0, self.radii[finger, 3]])
+        return np.asarray(self.joints[finger, 3] + below, dtype=np.float64)
+
+    def pitch_yaw(self, finger: Finger) -> tuple[float, float]:
+        """Degrees, of the last segment."""
+        d = self.joints[finger, 3] - self.joints[finger, 2]
+        pitch = np.degrees(np.arctan2(d[2], np.hypot(d[0], d[1])))
+        return float(pitch), float(np.degrees(np.arctan2(d[0], -d[1])))
+
+
+POINTING_DEG = 95.0
+"""Bend between a finger's first and last segment below which it points; chosen."""
+
+
+def indentation_mm(user: User, force_g: float) -> float:
+    """How far the pad has flattened under a force, mm."""
+    return user.pad_mm * (1.0 - float(np.exp(-max(force_g, 0.0) / user.pad_g)))
+
+
+def tip_of(user: User, pose: HandPose, finger: Finger) -> Floats:
+    """(3,) the lowest point of a fingertip, as `PosedHand.pad` gives it, without the skin."""
+    tip = finger_joints(bones_of(pose), finger)[3] * user.size
+    if pose.side is Side.LEFT:
+        tip[0] = -tip[0]
+    low = pose.surface_from_hand[:3, :3] @ tip + pose.surface_from_hand[:3, 3]
+    low[2] += PLANS[finger].radii[3] * user.girth * user.size
+    return np.asarray(low, dtype=np.float64)
+
+
+def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> PosedHand:
+    """Bend the skin over the bones and put it into the surface's frame."""
+    mesh = hand_mesh(user.girth)
+    bones = bones_of(pose)
+    mix = (mesh.weights @ bones.reshape(BONES, 16)).reshape(-1, 4, 4)
+    vertices = np.einsum("vij,vj->vi", mix[:, :3, :3], mesh.vertices) + mix[:, :3, 3]
+    normals = np.einsum("vij,vj->vi", mix[:, :3, :3], mesh.normals)
+    skeleton = np.stack([finger_joints(bones, finger) for finger in Finger])
+    palm = np.array([[0.0, 0.0, 0.0], *(PLANS[f].root for f in list(Finger)[1:])])
+    faces = mesh.faces
+    if pose.side is Side.LEFT:
+        mirror = np.array([-1.0, 1.0, 1.0])
+        vertices, normals, skeleton, palm = (
+            a * mirror for a in (vertices, normals, skeleton, palm)
+        )
+        faces = faces[:, ::-1]
+    rotation, origin = pose.surface_from_hand[:3, :3], pose.surface_from_hand[:3, 3]
+    normals = normals @ rotation.T
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    radii = np.array([PLANS[finger].radii for finger in Finger]) * user.girth * user.size
+    return PosedHand(
+        pose.side,
+        vertices * user.size @ rotation.T + origin,
+        normals,
+        faces,
+        skeleton * user.size @ rotation.T + origin,
+        radii,
+        palm * user.size @ rotation.T + origin,
+        pose.force_g,
+        np.zeros(3) if velocity_mm_s is None else velocity_mm_s,
+    )
+
+
+def bones_of(pose: HandPose) -> Floats:
+    """(BONES, 4, 4) what carries rest points of each bone to their place in the hand's frame."""
+    bones = np.tile(np.eye(4), (BONES, 1, 1))
+    bones[ARM] = _hinge(np.zeros(3), about_x(-np.radians(pose.arm_pitch_deg)))
+    for finger in Finger:
+        yaw = np.radians(PLANS[finger].yaw_deg)
+        places = joints(finger)
+        carried = np.eye(4)
+        for segment, flex in enumerate(pose.flexion[finger]):
+            bend = about_z(yaw) @ about_x(-np.radians(flex)) @ about_z(-yaw)
+            if segment == 0:
+                bend = about_z(np.radians(pose.spread[finger])) @ bend
+            carried = carried @ _hinge(places[segment], bend)
+            bones[bone_of(finger, segment)] = carried
+    return bones
+
+
+def finger_joints(bones: Floats, finger: Finger) -> Floats:
+    """(4, 3) three joints and the tip's centre, in the hand's frame."""
+    rest = joints(finger)
+    carriers = [bones[bone_of(finger, segment)] for segment in (0, 1, 2, 2)]
+    return np.stack([c[:3, :3] @ p + c[:3, 3] for c, p in zip(carriers, rest, strict=True)])
+
+
+def _hinge(point: Floats, rotation: Floats) -> Floats:
+    """Turn about a point."""
+    transform = np.eye(4)
+    transform[:3, :3] = rotation
+    transform[:3, 3] = point - rotation @ point
+    return transform
+
+
+def _unit(vector: Floats) -> Floats:
+    return np.asarray(vector / np.linalg.norm(vector), dtype=np.float64)
+
+
+def about_x(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def about_z(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

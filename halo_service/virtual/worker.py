@@ -1,0 +1,125 @@
+"""The other side of the live virtual Kinect: a process that draws 30 frames a second.
+
+Rule: it owns the clock and the pace, nothing else does. It waits on its pipe between frames, so
+it answers at once, and it ends when the pipe does: with its parent, whatever becomes of that.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from contextlib import nullcontext
+from multiprocessing.connection import Connection
+from multiprocessing.shared_memory import SharedMemory
+from pathlib import Path
+from typing import TextIO
+
+# One thread each: the service beside needs the other core.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import cv2  # after the environment above
+import numpy as np
+
+from halo_service.errors import UserError
+from halo_service.virtual import truth
+from halo_service.virtual.camera import FPS
+from halo_service.virtual.naming import Wish
+from halo_service.virtual.plays import play
+from halo_service.virtual.ring import Ring
+from halo_service.virtual.sensor import Sensor
+
+JITTER_S = 0.0007
+"""Of the exposures, one sigma; chosen."""
+LIVE_COLOUR_TIMES = 2
+"""Live, colour is drawn at half its size each way."""
+
+
+def run(
+    pipe: Connection, memory_name: str, wish: Wish, colour: bool, truth_path: str | None
+) -> None:
+    """Play a scenario for ever, or until the pipe closes."""
+    # A whole process group is told to stop; ending is the parent's affair.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    cv2.setNumThreads(1)
+    memory = SharedMemory(memory_name)
+    ring = Ring(memory)
+    try:
+        with Path(truth_path).open("w") if truth_path else nullcontext() as log:
+            _Camera(pipe, ring, wish, colour, log).run()
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        pass  # the parent has gone: the normal end
+    except UserError as error:
+        pipe.send(("failed", str(error)))
+    except Exception as error:
+        pipe.send(("failed", f"The virtual Kinect stopped: {type(error).__name__}: {error}."))
+        raise
+    finally:
+        ring.release()
+        memory.close()
+
+
+class _Camera:
+    """The device: exposes, draws and hands over one frame after the other."""
+
+    def __init__(
+        self, pipe: Connection, ring: Ring, wish: Wish, colour: bool, log: TextIO | None
+    ) -> None:
+        self._pipe, self._ring, self._log = pipe, ring, log
+        self._drop = wish.room.drop
+        self._rng = np.random.default_rng([wish.room.seed, 3])
+        self._play = play(wish.scenario, wish.room)
+        switched_on_us = round(time.time() * 1e6)
+        self._sensor = Sensor(
+            wish.room, colour_times=LIVE_COLOUR_TIMES if colour else 0, started_us=switched_on_us
+        )
+        # Once for nothing, so that what is built at first use does not hold up a frame.
+        stage = self._play.at(0.0)
+        self._sensor.frame(switched_on_us, stage.hands, stage.things)
+        self._start_us = round(time.time() * 1e6)
+        self._number = 0
+        self._asked: int | None = None
+        """The newest frame that the reader has, while it waits for a newer one."""
+
+    def run(self) -> None:
+        """Until the pipe breaks."""
+        index = -1
+        while True:
+            elapsed_s = time.time() - self._start_us / 1e6
+            index = max(index + 1, int(elapsed_s * FPS))  # late: leave frames out, never catch up
+            late_s = abs(self._rng.normal(0.0, JITTER_S))
+            self._expose(self._start_us + round((index / FPS + late_s) * 1e6))
+
+    def _expose(self, time_us: int) -> None:
+        self._serve_until(time_us / 1e6)
+        t_s = (time_us - self._start_us) / 1e6
+        stage = self._play.at(t_s)
+        surface = self._sensor.surface
+        lines = [
+            truth.contact_line(contact, surface, self._start_us)
+            for contact in self._play.ended_contacts(t_s)
+        ]
+        if self._rng.random() >= self._drop:
+            frame = self._sensor.frame(time_us, stage.hands, stage.things)
+            self._number += 1
+            self._ring.write(self._number, frame)
+            lines.append(truth.frame_line(time_us, self._sensor.camera, surface, stage.hands))
+        if self._log is not None:
+            self._log.writelines(json.dumps(line) + "\n" for line in lines)
+            self._log.flush()
+
+    def _serve_until(self, due_s: float) -> None:
+        """Answer the reader until it is time."""
+        while True:
+            if self._asked is not None and self._number > self._asked:
+                self._pipe.send(("new", self._number))
+                self._asked = None
+            if not self._pipe.poll(max(0.0, due_s - time.time())):
+                return
+            kind, value = self._pipe.recv()
+            if kind == "next":
+                self._asked = value
+            else:
+                self._play.tell(value)

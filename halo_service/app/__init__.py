@@ -1,0 +1,1 @@
+"""The `halo` command: the one place that knows everybody, and imports them lazily."""

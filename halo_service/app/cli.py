@@ -1,0 +1,149 @@
+"""`halo`: one command with a few verbs. Errors of use are one sentence on stderr and exit 2."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from halo_service.app.threads import hold_to_one
+from halo_service.errors import UserError
+
+EPILOG = """\
+examples:
+  halo serve                                a Kinect if one is plugged in, else the virtual one
+  halo serve --source recording:take.mkv    a recording, at its own pace
+  halo monitor                              what a running service sends, in the terminal
+  halo replay take.mkv --profile desk --jsonl take.jsonl
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit code."""
+    arguments = sys.argv[1:] if argv is None else list(argv)
+    if arguments[:1] == ["monitor"]:
+        from halo_tools.monitor import main as monitor
+
+        return monitor(arguments[1:])
+    options = _parser().parse_args(arguments)
+    logging.basicConfig(
+        level=logging.DEBUG if options.debug else logging.INFO,
+        format="halo: %(message)s",
+        stream=sys.stderr,
+    )
+    hold_to_one()
+    try:
+        return int(options.run(options))
+    except UserError as error:
+        if options.debug:
+            raise
+        print(f"halo: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="halo",
+        description="A depth camera above a table makes it a touch surface.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--config", type=Path, metavar="FILE", help="settings (default: halo.toml)")
+    common.add_argument("--debug", action="store_true", help="say more, and show tracebacks")
+    common.add_argument(
+        "--profile", metavar="P", help="calibration: a path, or a name in your data folder"
+    )
+    _serve_options(verbs.add_parser("serve", parents=[common], help="run the service"))
+    _replay_options(
+        verbs.add_parser("replay", parents=[common], help="sense a recording into a file")
+    )
+    verbs.add_parser("monitor", help="show what a service sends", add_help=False)
+    return parser
+
+
+def _serve_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--source",
+        metavar="S",
+        help="azure-kinect, recording:FILE, sim[:SCENARIO] or auto (default)",
+    )
+    verb.add_argument("--loop", action="store_true", help="start a recording again when it ends")
+    verb.add_argument("--fast", action="store_true", help="play a recording as fast as it goes")
+    verb.add_argument("--node", metavar="NAME", help="name of this service on the network")
+    verb.add_argument(
+        "--osc",
+        action="append",
+        metavar="HOST:PORT",
+        help="send OSC here instead of 127.0.0.1:9000; may be repeated",
+    )
+    verb.add_argument("--no-osc", action="store_true", help="send no OSC")
+    verb.add_argument(
+        "--zenoh-listen", action="append", metavar="ENDPOINT", help="e.g. tcp/127.0.0.1:7447"
+    )
+    verb.add_argument(
+        "--zenoh-connect", action="append", metavar="ENDPOINT", help="a router or peer to call"
+    )
+    verb.add_argument("--no-zenoh", action="store_true", help="open no Zenoh peer")
+    verb.add_argument("--control-port", type=int, metavar="PORT", help="instead of 9001")
+    verb.set_defaults(run=_serve)
+
+
+def _replay_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("recording", type=Path, metavar="RECORDING")
+    verb.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
+    verb.set_defaults(run=_replay)
+
+
+def _serve(options: argparse.Namespace) -> int:
+    from halo_service.app.config import load
+    from halo_service.app.serve import serve
+
+    settings = load(options.config)
+    source = replace(
+        settings.source,
+        name=options.source or settings.source.name,
+        loop=options.loop or settings.source.loop,
+        fast=options.fast or settings.source.fast,
+    )
+    osc = replace(
+        settings.osc,
+        enabled=settings.osc.enabled and not options.no_osc,
+        destinations=tuple(options.osc or settings.osc.destinations),
+    )
+    zenoh = replace(
+        settings.zenoh,
+        enabled=settings.zenoh.enabled and not options.no_zenoh,
+        listen=tuple(options.zenoh_listen or settings.zenoh.listen),
+        connect=tuple(options.zenoh_connect or settings.zenoh.connect),
+    )
+    port = settings.control.port if options.control_port is None else options.control_port
+    serve(
+        replace(
+            settings,
+            node=options.node or settings.node,
+            profile=options.profile or settings.profile,
+            source=source,
+            osc=osc,
+            zenoh=zenoh,
+            control=replace(settings.control, port=port),
+        )
+    )
+    return 0
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from halo_service.app.config import load
+    from halo_service.app.replay import replay
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    count = replay(options.recording, options.jsonl, replace(settings, profile=profile))
+    print(f"halo: {count} frames", file=sys.stderr)
+    return 0

@@ -1,0 +1,46 @@
+"""The hand tracker's way of looking at a frame: blend infrared and colour, then find hands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.app.config import TrackingSettings
+from halo_service.geometry.camera import Camera
+from halo_service.profile import Profile
+from halo_service.tracking.blend import ColourWarp, blend
+from halo_service.tracking.hands import HandTracker
+from halo_service.tracking.model import hand_model
+from halo_service.values import Frame, Tracked
+
+ASSUMED_MM = 500.0
+"""Where a pixel without depth is taken to be while no background is known: the paper's height."""
+
+
+class Eyes:
+    """A `runtime.Tracker`: MediaPipe on the paper's blended picture."""
+
+    def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
+        """Load the model, fetching it where it is not there yet (`UserError` where it can't be)."""
+        model = hand_model(Path(settings.model).expanduser() if settings.model else None)
+        self._tracker = HandTracker(model, max_hands=settings.max_hands)
+        self._warp = ColourWarp(camera, _background_mm(camera, profile))
+
+    def look(self, frame: Frame) -> Tracked:
+        """Find the hands in one frame."""
+        picture = blend(frame.ir, frame.colour, self._warp, frame.depth)
+        return self._tracker.find(picture, frame.time_us)
+
+    def close(self) -> None:
+        """Let the model go."""
+        self._tracker.close()
+
+
+def _background_mm(camera: Camera, profile: Profile | None) -> NDArray[np.float32]:
+    shape = (camera.depth.height, camera.depth.width)
+    if profile is None:
+        return np.full(shape, ASSUMED_MM, np.float32)
+    known = profile.background.valid
+    return np.where(known, profile.background.mean_mm, np.float32(ASSUMED_MM))

@@ -1,0 +1,89 @@
+"""Says a frame, the scene and the health on every carrier, in the same bytes."""
+
+from __future__ import annotations
+
+import halo_protocol as wire
+from halo_service.geometry.camera import Camera
+from halo_service.outputs import Carrier
+from halo_service.outputs.wire import Wire
+from halo_service.runtime.vitals import Vitals
+from halo_service.sensing import DEFAULT_SURFACE, State
+from halo_service.values import SourceKind, TouchFrame
+
+SOURCES = {
+    "camera": wire.Source.CAMERA,
+    "recording": wire.Source.RECORDING,
+    "virtual": wire.Source.VIRTUAL,
+}
+CALIBRATIONS = {
+    "none": wire.Calibration.NONE,
+    "partial": wire.Calibration.PARTIAL,
+    "complete": wire.Calibration.COMPLETE,
+}
+
+
+class Publisher:
+    """What the live loop tells clients with."""
+
+    def __init__(
+        self, frames: Wire, carriers: list[Carrier], kind: SourceKind, camera: Camera, surface: str
+    ) -> None:
+        """`surface`: its name, in every address; `kind`: what stands behind the frames."""
+        self._frames = frames
+        self._carriers = carriers
+        self._kind = kind
+        self._camera = camera
+        self._surface = surface
+
+    def frame(self, told: TouchFrame) -> None:
+        """Send one frame."""
+        self._send("frame", self._frames.frame(told))
+
+    def scene(self, state: State) -> None:
+        """Send the scene, and the pose where a profile knows it."""
+        node, session = self._frames.node, self._frames.session
+        profile = state.profile
+        _, width_mm, height_mm = DEFAULT_SURFACE
+        revision = 0
+        if profile is not None:
+            width_mm, height_mm = profile.surface.width_mm, profile.surface.height_mm
+            revision = profile.revision
+            matrix = tuple(float(x) for x in profile.surface.camera_from_surface[:3].ravel())
+            pose = wire.Pose(node, session, revision, matrix, (0.0,) * 12, anchored=0)
+            self._send("pose", [wire.encode(self._surface, pose)])
+        scene = wire.Scene(
+            node,
+            session,
+            wire.VERSION,
+            width_mm,
+            height_mm,
+            CALIBRATIONS[profile.calibrated if profile else "none"],
+            revision,
+            SOURCES[self._kind],
+            float(self._camera.fps),
+        )
+        self._send("scene", [wire.encode(self._surface, scene)])
+
+    def health(self, vitals: Vitals) -> None:
+        """Send how the service fares."""
+        health = wire.Health(
+            self._frames.node,
+            self._frames.session,
+            vitals.fps,
+            vitals.latency_ms,
+            vitals.drops,
+            vitals.bad_frames,
+            wire.Tracker[vitals.tracker.upper()],
+            wire.Camera[vitals.camera.upper()],
+            vitals.tracker_ms,
+        )
+        self._send("health", [wire.encode(self._surface, health)])
+
+    def close(self) -> None:
+        """Let all carriers go."""
+        for carrier in self._carriers:
+            carrier.close()
+
+    def _send(self, kind: str, datagrams: list[bytes]) -> None:
+        for carrier in self._carriers:
+            carrier.send(kind, datagrams)

@@ -1,0 +1,82 @@
+"""`halo replay`: a recording in, one line of JSON a frame out; the same bytes on every run."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import TextIO
+
+from halo_service.app.config import Settings
+from halo_service.errors import UserError
+from halo_service.outputs.jsonl import frame_line
+from halo_service.profile import Profile
+from halo_service.profile.store import load, profile_path, require_fit
+from halo_service.runtime.lockstep import Look
+from halo_service.runtime.lockstep import replay as sensed
+from halo_service.sensing import start
+from halo_service.sources import Source
+from halo_service.sources.recording import Recording
+
+NODE = "replay"
+STDOUT = "-"
+
+
+def replay(recording: Path, out: str, settings: Settings) -> int:
+    """Replay a recording into a file, or to the terminal for `-`; return the number of frames.
+
+    Without a profile the frames have no pointers. The file appears when it is complete.
+    """
+    with closing(Recording(recording, realtime=False, loop=False)) as source:
+        profile = load(profile_path(settings.profile)) if settings.profile else None
+        if profile is not None:
+            require_fit(profile, source.camera)
+        session = session_of(recording)
+        state = start(profile, settings.sensing)
+        with _looking(source, profile, settings) as look, _written(out) as file:
+            count = 0
+            for told in sensed(source, look, state):
+                file.write(frame_line(told, NODE, session, count))
+                count += 1
+    return count
+
+
+def session_of(recording: Path) -> str:
+    """Name the session after the file's content, so that every run says the same."""
+    with recording.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:16]
+
+
+@contextmanager
+def _looking(source: Source, profile: Profile | None, settings: Settings) -> Iterator[Look]:
+    """Give the hand tracker; without a profile nobody asks for hands, so none is loaded."""
+    if profile is None:
+        yield lambda frame: None
+        return
+    from halo_service.app.eyes import Eyes
+
+    with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
+        yield eyes.look
+
+
+@contextmanager
+def _written(out: str) -> Iterator[TextIO]:
+    """Open what is written to; a file is moved into place when all went well, else removed."""
+    if out == STDOUT:
+        yield sys.stdout
+        return
+    path = Path(out)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with temporary.open("w", encoding="utf-8", newline="\n") as file:
+            yield file
+        temporary.replace(path)
+    except OSError as error:
+        raise UserError(
+            f"'{out}' cannot be written ({error.strerror}); choose another place for --jsonl"
+        ) from error
+    finally:
+        temporary.unlink(missing_ok=True)

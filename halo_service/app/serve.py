@@ -1,0 +1,105 @@
+"""`halo serve`: a source in, touches out."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import signal
+import time
+from contextlib import ExitStack
+from types import FrameType
+
+import halo_protocol as wire
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes
+from halo_service.app.publisher import Publisher
+from halo_service.app.sources import open_source
+from halo_service.errors import UserError
+from halo_service.outputs import Carrier
+from halo_service.outputs.control import ControlPort
+from halo_service.outputs.osc import OscOutput, destination
+from halo_service.outputs.wire import Wire
+from halo_service.profile import Profile
+from halo_service.profile.store import load, profile_path, require_fit
+from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.live import LiveLoop
+from halo_service.sensing import DEFAULT_SURFACE, start
+from halo_service.sources import Source
+
+log = logging.getLogger(__name__)
+
+
+def serve(settings: Settings) -> None:
+    """Run the service until Ctrl-C, SIGTERM or the end of a recording."""
+    node = _node(settings.node)
+    with ExitStack() as stack:
+        control = ControlPort(settings.control.host, settings.control.port)
+        stack.callback(control.close)
+        carriers = _carriers(settings, node, stack)
+        source, reopen = open_source(settings.source)
+        stack.callback(source.close)
+        profile = profile_for(source, settings)
+        frames = Wire(node, secrets.token_hex(4), wire.first_frame(time.time_ns() // 1000))
+        publisher = Publisher(frames, carriers, source.kind, source.camera, DEFAULT_SURFACE[0])
+        tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
+        stack.callback(tracker.close)
+        loop = LiveLoop(source, reopen, tracker, start(profile, settings.sensing), publisher)
+        _stop_on_signals(loop)
+        _greet(settings, source, profile, node)
+        loop.run()
+
+
+def profile_for(source: Source, settings: Settings) -> Profile | None:
+    """Return the profile to sense with: the user's, the virtual sensor's own, or none."""
+    if settings.profile:
+        profile = load(profile_path(settings.profile))
+        require_fit(profile, source.camera)
+        return profile
+    if source.kind == "virtual":
+        from halo_service.app.virtual_profile import virtual_profile
+        from halo_service.virtual.live import VirtualKinect
+
+        assert isinstance(source, VirtualKinect)  # nothing else calls itself virtual
+        return virtual_profile(source.room, settings)
+    log.warning(
+        "profile: none, so frames carry no pointers until this place is calibrated "
+        "(--profile says which calibration to use)"
+    )
+    return None
+
+
+def _node(name: str) -> str:
+    try:
+        return wire.check_name(name, "node")
+    except wire.ProtocolError as error:
+        raise UserError(f"{error}; set it with --node or in halo.toml") from error
+
+
+def _carriers(settings: Settings, node: str, stack: ExitStack) -> list[Carrier]:
+    carriers: list[Carrier] = []
+    if settings.osc.enabled:
+        carriers.append(OscOutput([destination(each) for each in settings.osc.destinations]))
+    if settings.zenoh.enabled:
+        from halo_service.outputs.zenoh import ZenohOutput
+
+        carriers.append(ZenohOutput(settings.zenoh, node, DEFAULT_SURFACE[0]))
+    for carrier in carriers:
+        stack.callback(carrier.close)
+    return carriers
+
+
+def _stop_on_signals(loop: LiveLoop) -> None:
+    def stop(number: int, where: FrameType | None) -> None:
+        loop.stop()
+
+    signal.signal(signal.SIGINT, stop)
+    signal.signal(signal.SIGTERM, stop)
+
+
+def _greet(settings: Settings, source: Source, profile: Profile | None, node: str) -> None:
+    osc = ", ".join(settings.osc.destinations) if settings.osc.enabled else "off"
+    zenoh = ", ".join(settings.zenoh.listen + settings.zenoh.connect) or "no endpoint"
+    log.info("source %s %s, serial %s", source.kind, settings.source.name, source.camera.serial)
+    log.info("calibration %s", profile.calibrated if profile else "none")
+    log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
+    log.info("node %s, control port %d; Ctrl-C ends", node, settings.control.port)

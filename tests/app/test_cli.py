@@ -1,0 +1,80 @@
+"""Bad input gets one sentence with the remedy, exit 2, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+HALO = Path(sys.executable).with_name("halo")
+
+
+def halo(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [HALO, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=60
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["serve", "--source", "kinect2"], "source: 'kinect2' is none; known: azure-kinect"),
+        (["serve", "--source", "recording:none.mkv"], "none.mkv does not exist"),
+        (["serve", "--source", "recording:"], "source: 'recording:' is none"),
+        (["serve", "--source", "sim:nowhere"], "known"),
+        (["serve", "--source", "sim", "--loop"], "--loop and --fast go with"),
+        (["serve", "--source", "azure-kinect"], "no Azure Kinect is plugged in"),
+        (["serve", "--config", "none.toml"], "none.toml cannot be read"),
+        (
+            ["serve", "--config", "bad.toml"],
+            "osc: unknown key 'prot'; known: enabled, destinations",
+        ),
+        (["serve", "--osc", "nowhere"], "'nowhere' is no destination; write host:port"),
+        (["serve", "--node", "My Desk"], "node must be 1 to 32 of a-z 0-9 _ -"),
+        (["serve", "--zenoh-listen", "tcp/256.0.0.1:1"], "zenoh: cannot listen at"),
+        (["serve", "--profile", "./none", "--source", "sim"], "there is no profile at none"),
+        (["replay", "none.mkv", "--jsonl", "out.jsonl"], "none.mkv does not exist"),
+        (["replay", "bad.toml", "--jsonl", "out.jsonl"], "not a Matroska file"),
+    ],
+)
+def test_one_sentence_and_exit_2(
+    arguments: list[str], says: str, tmp_path: Path, free_port: Callable[[], int]
+) -> None:
+    (tmp_path / "bad.toml").write_text("[osc]\nprot = 9000\n")
+    if arguments[0] == "serve":
+        arguments = [*arguments, "--control-port", str(free_port())]
+        if "--zenoh-listen" not in arguments:
+            arguments.append("--no-zenoh")
+    result = halo(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert says in result.stderr
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
+
+
+def test_a_control_port_in_use_is_one_sentence(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = str(taken.getsockname()[1])
+        result = halo("serve", "--control-port", port, "--no-zenoh", cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert "--control-port" in result.stderr
+
+
+def test_debug_shows_the_traceback(tmp_path: Path) -> None:
+    result = halo("replay", "none.mkv", "--jsonl", "-", "--debug", cwd=tmp_path)
+    assert result.returncode != 0
+    assert "Traceback" in result.stderr
+
+
+@pytest.mark.parametrize("verb", [[], ["serve"], ["replay"], ["monitor"]])
+def test_help_helps(verb: list[str], tmp_path: Path) -> None:
+    result = halo(*verb, "--help", cwd=tmp_path)
+    assert result.returncode == 0
+    assert "usage: halo" in result.stdout

@@ -1,0 +1,85 @@
+"""`halo replay`: the service's golden test. The same recording gives the same bytes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from halo_service.app.cli import main
+from halo_service.app.config import Settings
+from halo_service.app.virtual_profile import virtual_profile
+from halo_service.outputs.recorder import Recorder
+from halo_service.profile.store import save
+from halo_service.virtual.camera import factory
+from halo_service.virtual.naming import wish
+from halo_service.virtual.offline import frames
+
+SECONDS = 5.0
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a recording of the virtual demo, its truth, and a profile of its room."""
+    folder = tmp_path_factory.mktemp("session")
+    wished = wish("sim:demo?seed=3")
+    truth = []
+    with Recorder(folder / "take.mkv", factory(), fps=30, colour=True) as recorder:
+        for frame, lines in frames(wished, SECONDS):
+            if frame is not None:
+                recorder.write(frame)
+            truth += lines
+    (folder / "truth.json").write_text(json.dumps(truth))
+    save(virtual_profile(wished.room, Settings()), folder / "profile")
+    return folder
+
+
+def replay(session: Path, out: Path, *options: str) -> list[dict[str, object]]:
+    assert main(["replay", str(session / "take.mkv"), "--jsonl", str(out), *options]) == 0
+    return [json.loads(line) for line in out.read_text().splitlines()]
+
+
+@pytest.mark.slow
+def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_path: Path) -> None:
+    profile = ("--profile", str(session / "profile"))
+    told = replay(session, tmp_path / "once.jsonl", *profile)
+    replay(session, tmp_path / "again.jsonl", *profile)
+    assert (tmp_path / "once.jsonl").read_bytes() == (tmp_path / "again.jsonl").read_bytes()
+
+    pointers = [pointer for line in told for pointer in line["pointers"]]  # type: ignore[attr-defined]
+    assert len(pointers) > 0.8 * len(told)
+    assert {pointer["state"] for pointer in pointers} == {"hover", "touch"}
+    assert {"diagnostics", "u", "v", "hover_mm", "pressure", "force_g"} <= set(pointers[0])
+    downs = [event for line in told for event in line["events"] if event["kind"] == "down"]  # type: ignore[attr-defined]
+    contacts = [
+        line for line in json.loads((session / "truth.json").read_text()) if "contact" in line
+    ]
+    # The virtual sensor's truth against what was sensed of it: a first sight, not the bench.
+    assert len(contacts) * 0.5 <= len(downs) <= len(contacts) * 1.5
+
+
+@pytest.mark.slow
+def test_without_a_profile_there_are_frames_without_pointers(session: Path, tmp_path: Path) -> None:
+    told = replay(session, tmp_path / "none.jsonl")
+    assert [line["frame"] for line in told] == list(range(len(told)))
+    assert all(line["pointers"] == [] and line["events"] == [] for line in told)
+
+
+@pytest.mark.slow
+def test_a_recording_that_breaks_off_leaves_no_file(session: Path, tmp_path: Path) -> None:
+    whole = (session / "take.mkv").read_bytes()
+    (tmp_path / "cut.mkv").write_bytes(whole[: len(whole) // 2])
+    code = main(["replay", str(tmp_path / "cut.mkv"), "--jsonl", str(tmp_path / "out.jsonl")])
+    assert code == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["cut.mkv"]
+
+
+def test_the_real_recording_is_one_frame_without_pointers(
+    company_data: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "desk.jsonl"
+    assert main(["replay", str(company_data / "azure_kinect_desk.mkv"), "--jsonl", str(out)]) == 0
+    (line,) = [json.loads(line) for line in out.read_text().splitlines()]
+    assert line["time_us"] == 463945
+    assert line["pointers"] == []

@@ -1,0 +1,142 @@
+"""`halo serve`, driven as a user drives it, heard by strangers."""
+
+from __future__ import annotations
+
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import pytest
+
+import halo_protocol as wire
+
+Spawn = Callable[..., "subprocess.Popen[str]"]
+START_S = 30.0
+"""Patience with a busy machine; what is fast is said by the benchmarks."""
+
+SUBSCRIBER = """
+import sys, zenoh, halo_protocol as wire
+config = zenoh.Config()
+config.insert_json5("mode", '"client"')
+config.insert_json5("connect/endpoints", f'["{sys.argv[1]}"]')
+config.insert_json5("connect/timeout_ms", "20000")
+config.insert_json5("scouting/multicast/enabled", "false")
+with zenoh.open(config) as session:
+    subscriber = session.declare_subscriber("halo/1/**", zenoh.handlers.RingChannel(64))
+    for _ in range(200):
+        sample = subscriber.recv()
+        print(sample.key_expr, bytes(sample.payload).hex(), flush=True)
+"""
+
+
+def lines_until(
+    process: subprocess.Popen[str], wanted: Callable[[str], bool], seconds: float = START_S
+) -> list[str]:
+    """Read a program's lines until one is wanted; fail when none is in time."""
+    assert process.stdout is not None
+    seen: list[str] = []
+    until = time.monotonic() + seconds
+    for line in process.stdout:
+        seen.append(line.rstrip("\n"))
+        if wanted(seen[-1]):
+            return seen
+        if time.monotonic() > until:
+            break
+    pytest.fail(f"not seen in {seconds} s; the last lines were {seen[-5:]}")
+
+
+@pytest.mark.slow
+def test_a_real_recording_reaches_oscdump_and_a_zenoh_subscriber(
+    stranger: Callable[[str], str],
+    company_data: Path,
+    serve: Spawn,
+    spawn: Spawn,
+    free_port: Callable[[], int],
+) -> None:
+    osc, zenoh = free_port(), f"tcp/127.0.0.1:{free_port()}"
+    dump = spawn(stranger("stdbuf"), "-oL", stranger("oscdump"), str(osc))
+    serve(
+        "--source", f"recording:{company_data / 'azure_kinect_desk.mkv'}", "--loop",
+        "--osc", f"127.0.0.1:{osc}", "--zenoh-listen", zenoh, "--node", "desk",
+    )  # fmt: skip
+    subscriber = spawn(sys.executable, "-c", SUBSCRIBER, zenoh)
+
+    heard = lines_until(dump, lambda line: "/halo/1/table/alive" in line)
+    frame = next(line for line in heard if "/halo/1/table/frame" in line)
+    assert re.search(r'ssiiii "desk" "[0-9a-f]{8}" \d+ \d+ \d+ 0$', frame), frame
+    assert not any("/pointer" in line for line in heard)
+
+    samples = lines_until(subscriber, lambda line: line.startswith("halo/1/desk/table/frame"))
+    key, payload = samples[-1].split()
+    (surface, header), (_, alive) = wire.decode(bytes.fromhex(payload))
+    assert key == "halo/1/desk/table/frame"
+    assert surface == "table"
+    assert isinstance(header, wire.Frame)
+    assert header.count == 0
+    assert alive == wire.Alive(())
+
+    scenes = lines_until(subscriber, lambda line: line.startswith("halo/1/desk/table/scene"))
+    ((_, scene),) = wire.decode(bytes.fromhex(scenes[-1].split()[1]))
+    assert isinstance(scene, wire.Scene)
+    assert scene.source == wire.Source.RECORDING
+    assert scene.calibration == wire.Calibration.NONE
+
+
+@pytest.mark.slow
+def test_without_a_camera_hover_touch_and_pressure_reach_oscdump(
+    stranger: Callable[[str], str], serve: Spawn, spawn: Spawn, free_port: Callable[[], int]
+) -> None:
+    osc = free_port()
+    dump = spawn(stranger("stdbuf"), "-oL", stranger("oscdump"), str(osc))
+    service = serve("--osc", f"127.0.0.1:{osc}", "--no-zenoh")
+    pointers: list[list[str]] = []
+
+    def complete(line: str) -> bool:
+        if "/halo/1/table/pointer" in line:
+            pointers.append(line.split("pointer")[1].split()[1:])
+        states = {pointer[4] for pointer in pointers}
+        pressed = any(float(pointer[10]) > 0.3 for pointer in pointers)
+        hovered = any(float(pointer[9]) > 5.0 for pointer in pointers)
+        return states == {"0", "1"} and pressed and hovered and len(pointers) > 90
+
+    heard = lines_until(dump, complete, 60.0)
+    assert any("/halo/1/table/down" in line for line in heard)
+    service.send_signal(signal.SIGTERM)
+    _, said = service.communicate(timeout=20.0)
+    assert service.returncode == 0
+    assert "VIRTUAL" in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.slow
+def test_a_service_killed_in_mid_touch_leaves_no_pointer_stuck(
+    serve: Spawn, free_port: Callable[[], int]
+) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.bind(("127.0.0.1", 0))
+        client.settimeout(START_S)
+        options = ("--osc", f"127.0.0.1:{client.getsockname()[1]}", "--no-zenoh", "--source", "sim")
+        assembler = wire.Assembler()
+        last: dict[str, wire.TouchFrame] = {}
+
+        def listen(until: Callable[[wire.TouchFrame], bool]) -> wire.TouchFrame:
+            while True:
+                for event in assembler.receive_data(client.recv(65_536), time.monotonic()):
+                    if isinstance(event, wire.TouchFrame):
+                        last[event.session] = event
+                        if until(event):
+                            return event
+
+        first = serve(*options)
+        touched = listen(lambda told: any(pointer.touching for pointer in told.pointers))
+        first.kill()
+        first.wait()
+        serve(*options)
+        again = listen(lambda told: told.session != touched.session and bool(told.pointers))
+        assert again.frame > touched.frame  # a client that only compares counters goes on, too
+        assert last[touched.session].pointers == ()
+        assert any(up.id in {p.id for p in touched.pointers} for up in last[touched.session].ups)

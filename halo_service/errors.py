@@ -2,7 +2,7 @@
 
 
 class UserError(Exception):
-    """Something the user can mend. The message is one sentence that says what is wrong and what to do.
+    """Something the user can mend: one sentence that says what is wrong and what to do.
 
     The `halo` command prints it on stderr and exits with 2; nobody else catches it, except a
     live loop that goes on (a camera that was unplugged).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -35,7 +36,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def replay(session: Path, out: Path, *options: str) -> list[dict[str, object]]:
+def replay(session: Path, out: Path, *options: str) -> list[dict[str, Any]]:
     assert main(["replay", str(session / "take.mkv"), "--jsonl", str(out), *options]) == 0
     return [json.loads(line) for line in out.read_text().splitlines()]
 
@@ -47,11 +48,11 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
     replay(session, tmp_path / "again.jsonl", *profile)
     assert (tmp_path / "once.jsonl").read_bytes() == (tmp_path / "again.jsonl").read_bytes()
 
-    pointers = [pointer for line in told for pointer in line["pointers"]]  # type: ignore[attr-defined]
+    pointers = [pointer for line in told for pointer in line["pointers"]]
     assert len(pointers) > 0.8 * len(told)
     assert {pointer["state"] for pointer in pointers} == {"hover", "touch"}
     assert {"diagnostics", "u", "v", "hover_mm", "pressure", "force_g"} <= set(pointers[0])
-    downs = [event for line in told for event in line["events"] if event["kind"] == "down"]  # type: ignore[attr-defined]
+    downs = [event for line in told for event in line["events"] if event["kind"] == "down"]
     contacts = [
         line for line in json.loads((session / "truth.json").read_text()) if "contact" in line
     ]

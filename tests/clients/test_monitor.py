@@ -13,7 +13,7 @@ import pytest
 from halo_client import Known, Losses
 from halo_protocol import Down, Pointer, Report, Scene, TouchFrame
 from halo_tools.monitor import main
-from halo_tools.monitor_view import View
+from halo_tools.monitor_view import HEADINGS, View
 
 MONITOR = [sys.executable, "-m", "halo_tools.monitor"]
 POINTER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.62, 0.0, 0.0, 0.9, 3, 128.0)
@@ -40,6 +40,7 @@ def test_the_picture_shows_each_pointer() -> None:
     (line,) = [line for line in picture(frame([POINTER])).splitlines() if "index" in line]
     shown = "7 0 right index TOUCH 150.0 100.0 0.0 0.62 128 0.90 3"
     assert line.split() == shown.split()
+    assert len(line) == len(HEADINGS) <= 80
 
 
 def test_the_picture_shows_rate_latency_losses_and_touches() -> None:
@@ -68,7 +69,7 @@ def test_a_recordings_time_has_no_latency() -> None:
 
 def test_words_of_a_later_version_are_shown_as_numbers() -> None:
     strange = Pointer(7, 0, 5, 9, 4, *(0.0,) * 9, 3, -1.0)
-    assert "   7    0 5       9      4     " in picture(frame([strange]))
+    assert "    7    0 5       9      4     " in picture(frame([strange]))
 
 
 def test_nothing_yet_is_said_in_a_sentence() -> None:

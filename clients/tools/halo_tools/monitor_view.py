@@ -41,9 +41,8 @@ LOUD = {
 }
 """What stands behind the pointers, where it is no camera."""
 
-HEADINGS = (
-    "    id slot hand    finger state     x mm    y mm hover mm pressure force g   conf contacts"
-)
+# 80 columns, so that it fits the smallest terminal.
+HEADINGS = "   id slot hand    finger state    x mm    y mm  hov mm  press  grams  conf hits"
 
 
 @dataclass(slots=True)
@@ -124,15 +123,15 @@ def _stream_lines(stream: _Stream, known: Known, now_s: float) -> list[str]:
     )
     if where in known.healths:
         health = known.healths[where]
-        lines.append(
-            f"  service: {health.fps:.1f} fps, {_ms(health.latency_ms)} a frame · "
-            f"drops {health.drops}, bad frames {health.bad_frames} · "
-            f"camera {_word(Camera, health.camera)} · "
-            f"tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old"
-        )
+        lines += [
+            f"  service {health.fps:.1f} fps, {_ms(health.latency_ms)} a frame · "
+            f"drops {health.drops}, bad frames {health.bad_frames}",
+            f"  camera {_word(Camera, health.camera)} · "
+            f"hand tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old",
+        ]
     lines += [HEADINGS, *map(_pointer_line, frame.pointers)]
     if not frame.pointers:
-        lines.append("     - no finger near the surface")
+        lines.append("    - no finger near the surface")
     return [*lines, f"  touches: {' · '.join(reversed(stream.events)) or '-'}"]
 
 
@@ -158,10 +157,10 @@ def _pointer_line(pointer: Pointer) -> str:
     force = "-" if pointer.force_g < 0 else f"{pointer.force_g:.0f}"
     state = _word(State, pointer.state)
     return (
-        f"{pointer.id:6d} {pointer.slot:4d} {_word(Hand, pointer.hand):7} "
+        f"{pointer.id:5d} {pointer.slot:4d} {_word(Hand, pointer.hand):7} "
         f"{_word(Finger, pointer.finger):6} {state.upper() if pointer.touching else state:5} "
-        f"{pointer.x_mm:8.1f} {pointer.y_mm:7.1f} {pointer.hover_mm:8.1f} "
-        f"{pointer.pressure:8.2f} {force:>7} {pointer.confidence:6.2f} {pointer.contacts:8d}"
+        f"{pointer.x_mm:7.1f} {pointer.y_mm:7.1f} {pointer.hover_mm:7.1f} "
+        f"{pointer.pressure:6.2f} {force:>6} {pointer.confidence:5.2f} {pointer.contacts:4d}"
     )
 
 

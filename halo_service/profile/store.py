@@ -73,16 +73,25 @@ def load(folder: Path) -> Profile:
 def require_fit(profile: Profile, camera: Camera) -> None:
     """Raise `UserError` when the profile belongs to another camera, mode or lens."""
     made = profile.camera
-    for what, ours, theirs in (
-        ("camera", camera.serial, made.serial),
-        ("depth mode", camera.depth_mode, made.depth_mode),
-        ("depth lens", camera.depth, made.depth),
+    for what, ours, theirs, same in (
+        ("camera", camera.serial, made.serial, camera.serial == made.serial),
+        ("depth mode", camera.depth_mode, made.depth_mode, camera.depth_mode == made.depth_mode),
+        ("depth lens", camera.depth, made.depth, _same_lens(camera.depth, made.depth)),
     ):
-        if ours != theirs:
+        if not same:
             raise UserError(
                 f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
                 f"choose the profile made with this camera, or calibrate it anew"
             )
+
+
+def _same_lens(a: Lens, b: Lens) -> bool:
+    """Compare to what a calibration file keeps of a lens; it is not read back to the last bit."""
+    return np.allclose(_numbers(a), _numbers(b), rtol=1e-6, atol=1e-9)
+
+
+def _numbers(lens: Lens) -> list[float]:
+    return [lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, *lens.distortion]
 
 
 def _replace(path: Path, content: bytes) -> None:

@@ -17,10 +17,10 @@ from halo_service.geometry.surface import Surface
 from halo_service.virtual import scene
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import shrunk
-from halo_service.virtual.mesh import Floats
+from halo_service.virtual.mesh import Floats, Ints
 from halo_service.virtual.pictures import show
 from halo_service.virtual.props import SOLID
-from halo_service.virtual.render import Seen, rasterise
+from halo_service.virtual.render import rasterise
 from halo_service.virtual.room import Room
 from halo_service.virtual.scene import Image
 
@@ -41,12 +41,19 @@ Bgr = NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lit:
-    """What each pixel shows: (H, W, 3) in room light, its reflectance of projected light, and
-    the (H, W, 2) projector pixel that lights it."""
+    """What each pixel shows."""
 
+    depth: Image
+    """(H, W) mm along the lens's axis."""
     room: Bgr
+    """(H, W, 3) in room light."""
     thrown: Bgr
+    """(H, W, 3) reflectance of projected light; empty where the projector is off."""
     source: Image
+    """(H, W, 2) the projector's pixel that lights it; likewise."""
+
+    def copy(self) -> _Lit:
+        return _Lit(self.depth.copy(), self.room.copy(), self.thrown.copy(), self.source.copy())
 
 
 class ColourImager:
@@ -73,25 +80,19 @@ class ColourImager:
         self._table = self._bare_table(room, thrown)
         for name in room.props:
             if name in SOLID:
-                body = SOLID[name]()
-                self._write(self._see(body), body, self._table)
+                self._write(SOLID[name](), self._table)
 
     def draw(self, t_s: float, bodies: Sequence[Body], velocities: Sequence[Floats]) -> Bgr:
         """The picture at a time. `velocities` of the bodies, mm/s in the surface's frame."""
-        now = _Lit(self._table.room.copy(), self._table.thrown, self._table.source)
-        picture = None
-        if self._show is not None:
-            picture = self._show(t_s)
-            now = _Lit(now.room, now.thrown.copy(), now.source.copy())
+        now = self._table.copy()
         for body, velocity in zip(bodies, velocities, strict=True):
-            seen = self._see(body)
             before = now.room.copy() if self._smears(velocity) else None
-            self._write(seen, body, now)
+            pixel = self._write(body, now)
             if before is not None:
-                self._smear(now.room, before, seen, velocity)
-        if picture is None:
+                self._smear(now.room, before, pixel, velocity)
+        if self._show is None:
             return now.room
-        return self._throw(now, picture, bodies)
+        return self._throw(now, self._show(t_s), bodies)
 
     def enlarge(self, image: Bgr) -> Bgr:
         """To the lens's full size."""
@@ -107,31 +108,36 @@ class ColourImager:
         lamp = 1.0 - 0.1 * np.tanh((view.x_mm + view.y_mm) / 600.0)[..., None]
         lit = np.clip(self._room_gain * lamp * colour, 0.0, 255.0).astype(np.uint8)
         if not thrown:
-            return _Lit(lit, np.empty((0, 0, 3), np.uint8), np.empty((0, 0, 2), np.float32))
+            dark = np.empty((0, 0, 3), np.uint8), np.empty((0, 0, 2), np.float32)
+            return _Lit(view.depth, lit, *dark)
         flat = np.zeros(view.x_mm.shape, np.float32)
         points = np.stack([view.x_mm, view.y_mm, flat], axis=-1).reshape(-1, 3).astype(np.float64)
         facing = np.clip(-self._projector.towards(points)[:, 2], 0.0, 1.0)
         reflect = np.clip(255.0 * colour * facing.reshape(*flat.shape, 1), 0.0, 255.0)
         source = self._projector.pixels(points).reshape(*flat.shape, 2)
-        return _Lit(lit, reflect.astype(np.uint8), source - np.float32(0.5))
+        return _Lit(view.depth, lit, reflect.astype(np.uint8), source - np.float32(0.5))
 
-    def _see(self, body: Body) -> Seen:
-        moved = body.vertices @ self._from_surface[:3, :3].T + self._from_surface[:3, 3]
-        return rasterise(self._lens, moved, body.faces)
-
-    def _write(self, seen: Seen, body: Body, into: _Lit) -> None:
-        """Put a body's light into the pixels where it is seen, in place."""
+    def _write(self, body: Body, into: _Lit) -> Ints:
+        """Put a body where it is nearer than what is there, in place; returns its flat pixels."""
+        points = body.vertices @ self._from_surface[:3, :3].T + self._from_surface[:3, 3]
+        seen = rasterise(self._lens, points, body.faces)
         lamp = AMBIENT + (1.0 - AMBIENT) * np.clip(body.normals @ LAMP, 0.0, 1.0)
-        lit = seen.mix((body.colour * (self._room_gain * lamp[:, None])).astype(np.float32))
-        into.room.reshape(-1, 3)[seen.pixel] = np.minimum(lit, 255.0).astype(np.uint8)
-        if self._show is None:
-            return
-        towards = self._projector.towards(body.vertices)
-        facing = np.clip(np.einsum("ij,ij->i", body.normals, towards), 0.0, 1.0)
-        reflect = seen.mix((255.0 * body.colour * facing[:, None]).astype(np.float32))
-        into.thrown.reshape(-1, 3)[seen.pixel] = np.minimum(reflect, 255.0).astype(np.uint8)
-        source = self._projector.pixels(body.vertices) - np.float32(0.5)
-        into.source.reshape(-1, 2)[seen.pixel] = seen.mix(source)
+        lit = body.colour * (self._room_gain * lamp[:, None])
+        columns = [points[:, 2:], lit]
+        if self._show is not None:
+            towards = self._projector.towards(body.vertices)
+            facing = np.clip(np.einsum("ij,ij->i", body.normals, towards), 0.0, 1.0)
+            columns += [255.0 * body.colour * facing[:, None]]
+            columns += [self._projector.pixels(body.vertices) - 0.5]
+        at_pixel = seen.mix(np.concatenate(columns, axis=1).astype(np.float32))
+        nearer = np.flatnonzero(at_pixel[:, 0] < into.depth.ravel().take(seen.pixel))
+        pixel, at_pixel = seen.pixel.take(nearer), at_pixel.take(nearer, axis=0)
+        into.depth.ravel()[pixel] = at_pixel[:, 0]
+        into.room.reshape(-1, 3)[pixel] = np.minimum(at_pixel[:, 1:4], 255.0)
+        if self._show is not None:
+            into.thrown.reshape(-1, 3)[pixel] = np.minimum(at_pixel[:, 4:7], 255.0)
+            into.source.reshape(-1, 2)[pixel] = at_pixel[:, 7:9]
+        return pixel
 
     def _throw(self, now: _Lit, picture: Bgr, bodies: Sequence[Body]) -> Bgr:
         """Add the projector's light; bodies cast shadows on the table, not on themselves."""
@@ -165,12 +171,12 @@ class ColourImager:
         scale = self._lens.fx / self._from_surface[2, 3]
         return float(moved[0] * scale), float(moved[1] * scale)
 
-    def _smear(self, image: Bgr, before: Bgr, seen: Seen, velocity: Floats) -> None:
+    def _smear(self, image: Bgr, before: Bgr, pixel: Ints, velocity: Floats) -> None:
         """Draw a moving body as a streak over what was there before it, in place."""
-        if len(seen.pixel) == 0:
+        if len(pixel) == 0:
             return
         mask = np.zeros(image.shape[:2], np.float32)
-        mask.ravel()[seen.pixel] = 1.0
+        mask.ravel()[pixel] = 1.0
         dx, dy = self._streak(velocity)
         reach = int(np.ceil(max(abs(dx), abs(dy)))) + 1
         x, y, width, height = cv2.boundingRect((mask > 0).astype(np.uint8))

@@ -86,12 +86,18 @@ def _comes_and_goes(p: Performer) -> Iterator[Segment]:
     home = {"x_mm": p.pose.x_mm, "y_mm": p.pose.y_mm, "height_mm": p.pose.height_mm}
     yield from p.hold(2.5)
     while True:
-        yield from p.reach(p.rng.uniform(0.7, 1.3), **somewhere(p), height_mm=20.0)
+        yield from p.reach(p.rng.uniform(0.7, 1.3), **_own_half(p), height_mm=20.0)
         for _ in range(int(p.rng.integers(3, 7))):
             yield from p.tap(p.rng.uniform(0.1, 0.4), p.rng.uniform(20, 150), lift_mm=18.0)
-            yield from p.reach(p.rng.uniform(0.3, 0.7), lift_mm=12.0, **somewhere(p))
+            yield from p.reach(p.rng.uniform(0.3, 0.7), lift_mm=12.0, **_own_half(p))
         yield from p.reach(1.0, **home)
         yield from p.hold(p.rng.uniform(0.5, 3.0))
+
+
+def _own_half(p: Performer) -> dict[str, float]:
+    """A place that the other hand leaves free."""
+    x = p.rng.uniform(30.0, 105.0)
+    return somewhere(p) | {"x_mm": 300.0 - x if p.side is Side.RIGHT else x}
 
 
 def _visit(p: Performer, delay_s: float) -> Iterator[Segment]:

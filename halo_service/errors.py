@@ -7,3 +7,7 @@ class UserError(Exception):
     The `halo` command prints it on stderr and exits with 2; nobody else catches it, except a
     live loop that goes on (a camera that was unplugged).
     """
+
+
+class SourceLost(UserError):
+    """The camera went away while it was running. Worth opening it anew after a while."""

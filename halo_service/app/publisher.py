@@ -48,9 +48,6 @@ class Publisher:
         if profile is not None:
             width_mm, height_mm = profile.surface.width_mm, profile.surface.height_mm
             revision = profile.revision
-            matrix = tuple(float(x) for x in profile.surface.camera_from_surface[:3].ravel())
-            pose = wire.Pose(node, session, revision, matrix, (0.0,) * 12, anchored=0)
-            self._send("pose", [wire.encode(self._surface, pose)])
         scene = wire.Scene(
             node,
             session,
@@ -63,6 +60,10 @@ class Publisher:
             float(self._camera.fps),
         )
         self._send("scene", [wire.encode(self._surface, scene)])
+        if profile is not None:  # after the scene, whose revision it belongs to
+            matrix = tuple(float(x) for x in profile.surface.camera_from_surface[:3].ravel())
+            pose = wire.Pose(node, session, revision, matrix, (0.0,) * 12, anchored=0)
+            self._send("pose", [wire.encode(self._surface, pose)])
 
     def health(self, vitals: Vitals) -> None:
         """Send how the service fares."""

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from halo_service.errors import UserError
+from halo_service.errors import SourceLost
 from halo_service.geometry.camera import Camera
 from halo_service.values import BadFrame, Frame, SourceKind
 
 
-class SourceLost(UserError):  # noqa: N818 - what happened, as the service's log says it
-    """The camera went away while it was running. Worth opening it anew after a while."""
+__all__ = ["EndOfSource", "Source", "SourceLost"]
 
 
 class EndOfSource(Exception):  # noqa: N818 - an end, no error

@@ -13,7 +13,7 @@ import time
 from multiprocessing.shared_memory import SharedMemory
 from typing import Any, Final
 
-from halo_service.errors import UserError
+from halo_service.errors import SourceLost, UserError
 from halo_service.geometry.surface import Surface
 from halo_service.values import BadFrame, Frame, SourceKind
 from halo_service.virtual import worker
@@ -58,7 +58,7 @@ class VirtualKinect:
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
         """The newest frame not read yet, waiting for one; None when none came in time.
 
-        Raises UserError when the worker has died.
+        Raises SourceLost when the worker has died.
         """
         frame = self._ring.newest(after=self._seen)
         if frame is None:
@@ -115,9 +115,9 @@ class VirtualKinect:
         except (EOFError, OSError):
             raise self._died() from None
 
-    def _died(self) -> UserError:
+    def _died(self) -> SourceLost:
         self._process.join(1.0)
-        return UserError(
+        return SourceLost(
             f"The virtual Kinect's process ended unexpectedly (code {self._process.exitcode}); "
             "start it again."
         )

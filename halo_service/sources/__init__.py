@@ -12,7 +12,6 @@ from halo_service.errors import SourceLost
 from halo_service.geometry.camera import Camera
 from halo_service.values import BadFrame, Frame, SourceKind
 
-
 __all__ = ["EndOfSource", "Source", "SourceLost"]
 
 

@@ -9,5 +9,5 @@ class UserError(Exception):
     """
 
 
-class SourceLost(UserError):
+class SourceLost(UserError):  # noqa: N818 - what happened, as the log says it
     """The camera went away while it was running. Worth opening it anew after a while."""

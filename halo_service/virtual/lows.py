@@ -56,6 +56,5 @@ def _side(room: Room, centre: Floats, radius_mm: float, fade: Fade) -> Dent | No
 
 
 def _dent(room: Room, place: Floats, deep: float) -> Dent:
-    # Wide by pixels rather than millimetres: what spreads it is mostly the sensor (chosen).
-    radius = halo.RADIUS_MM * room.camera_height_mm / halo.REFERENCE_MM
+    radius = halo.radius_mm(room.camera_height_mm)
     return Dent(float(place[0]), float(place[1]), deep, radius)

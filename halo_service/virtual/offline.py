@@ -6,43 +6,76 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from halo_service.errors import UserError
 from halo_service.values import Frame
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.naming import Wish
-from halo_service.virtual.plays import play
+from halo_service.virtual.plays import ENDING, play
 from halo_service.virtual.sensor import Sensor
 
 START_US = 500_000
 """Timestamp of the first frame: a device's clock does not start at 0."""
 JITTER_US = 700.0
 """Of the timestamps, one sigma; chosen."""
+LONGEST_S = 600.0
+"""A scenario that should end by itself has by then."""
+
+
+class Take:
+    """One recording of a scenario. Iterate once; then ask for the script.
+
+    Timestamps are whole milliseconds, as Matroska keeps them, so that frames and truth agree
+    after reading back. Raises UserError for a length that cannot be.
+    """
+
+    def __init__(self, wish: Wish, seconds: float | None = None, *, colour: bool = True) -> None:
+        if seconds is None and wish.scenario not in ENDING:
+            raise UserError(
+                f"The scenario {wish.scenario!r} never ends by itself; give its length in seconds."
+            )
+        if seconds is not None and not 0.0 < seconds < 1e6:
+            raise UserError(f"A recording cannot be {seconds:g} s long; give more than 0.")
+        self.expected_frames: int | None = None if seconds is None else round(seconds * FPS)
+        """None where the scenario itself decides."""
+        self._room = wish.room
+        self._play = play(wish.scenario, wish.room)
+        self._sensor = Sensor(wish.room, colour_times=1 if colour else 0, started_us=START_US)
+        self.camera, self.surface = self._sensor.camera, self._sensor.surface
+
+    def __iter__(self) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
+        """Each frame with the lines of truth that belong beside it.
+
+        The frame is None where the device dropped it: no frame, no line of its own, but touches
+        that ended meanwhile are still told.
+        """
+        rng = np.random.default_rng([self._room.seed, 3])
+        for index in range(self.expected_frames or round(LONGEST_S * FPS)):
+            late = abs(rng.normal(0.0, JITTER_US)) if index else 0.0
+            dropped = index > 0 and rng.random() < self._room.drop
+            yield self._capture(START_US + round((index * 1e6 / FPS + late) / 1e3) * 1000, dropped)
+            if self.expected_frames is None and self._play.finished:
+                return
+
+    def _capture(self, time_us: int, dropped: bool) -> tuple[Frame | None, list[truth.Line]]:
+        t_s = (time_us - START_US) / 1e6
+        stage = self._play.at(t_s)
+        lines = [
+            truth.contact_line(contact, self.surface, START_US)
+            for contact in self._play.ended_contacts(t_s)
+        ]
+        if dropped:
+            return None, lines
+        lines.append(truth.frame_line(time_us, self.camera, self.surface, stage.hands))
+        return self._sensor.frame(time_us, stage.hands, stage.things), lines
+
+    def script(self) -> list[truth.Line]:
+        """The steps played so far, in seconds from the first frame."""
+        return [truth.step_line(step) for step in self._play.steps]
 
 
 def frames(
-    wish: Wish, seconds: float, *, colour: bool = True
+    wish: Wish, seconds: float | None = None, *, colour: bool = True
 ) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
-    """Yield each frame with the lines of truth that belong beside it.
-
-    The frame is None where the device dropped it: no frame, no line of its own, but touches that
-    ended meanwhile are still told. Timestamps are whole milliseconds, as Matroska keeps them, so
-    that frame and truth agree after reading back.
-    """
-    room = wish.room
-    scenario = play(wish.scenario, room)
-    sensor = Sensor(room, colour_times=1 if colour else 0, started_us=START_US)
-    rng = np.random.default_rng([room.seed, 3])
-    for index in range(round(seconds * FPS)):
-        late = abs(rng.normal(0.0, JITTER_US)) if index else 0.0
-        dropped = index > 0 and rng.random() < room.drop
-        time_us = START_US + round((index * 1e6 / FPS + late) / 1000.0) * 1000
-        t_s = (time_us - START_US) / 1e6
-        stage = scenario.at(t_s)
-        lines = [
-            truth.contact_line(c, sensor.surface, START_US) for c in scenario.ended_contacts(t_s)
-        ]
-        if dropped:
-            yield None, lines
-            continue
-        lines.append(truth.frame_line(time_us, sensor.camera, sensor.surface, stage.hands))
-        yield sensor.frame(time_us, stage.hands, stage.things), lines
+    """What a `Take` yields, for those who need no script."""
+    return iter(Take(wish, seconds, colour=colour))

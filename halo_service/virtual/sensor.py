@@ -91,8 +91,10 @@ class Sensor:
         box = _clipped(px.min(axis=0) - reach, px.max(axis=0) + reach, ideal.depth.shape)
         view = self._imager.view
         field = dent_field(dents, view.x_mm[box], view.y_mm[box]) * self._imager.top.halo[box]
-        field[ideal.covered[box] > 0] = 0.0
-        ideal.depth[box] += field
+        # Skin is not dented, but a low finger's averaged pixels share what lies around them.
+        rise = (view.depth[box] - ideal.depth[box]) / np.float32(EDGE_STEP_MM)
+        share = np.clip(np.float32(AVERAGED) * (np.float32(1.0) - rise), 0.0, 1.0)
+        ideal.depth[box] += np.where(ideal.covered[box] > 0, share * field, field)
 
     def _picture(
         self,

@@ -14,7 +14,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.values import Finger, Side
 from halo_service.virtual.mesh import Floats
-from halo_service.virtual.motion import Contact
+from halo_service.virtual.motion import Contact, Step
 from halo_service.virtual.skeleton import PosedHand
 
 Line = dict[str, Any]
@@ -39,7 +39,7 @@ def _in_view(camera: Camera, surface: Surface, point: Floats) -> bool:
 def _finger(surface: Surface, hand: PosedHand, finger: Finger) -> Line:
     pad = hand.pad(finger)
     force = hand.force_g[finger]
-    pad[2] = min(pad[2], 0.0)  # a pressed pad is flat: its lowest point lies on the surface
+    pad[2] = min(float(pad[2]), 0.0)  # a pressed pad is flat: its lowest point lies on the surface
     pitch, yaw = hand.pitch_yaw(finger)
     return {
         "hand": side_name(hand.side),
@@ -70,6 +70,12 @@ def contact_line(contact: Contact, surface: Surface, start_us: int) -> Line:
     if contact.key is not None:
         line["key"] = contact.key
     return {"contact": line}
+
+
+def step_line(step: Step) -> Line:
+    """One step of a script."""
+    times = {"from_s": round(step.from_s, 3), "to_s": round(step.to_s, 3)}
+    return {"step": step.name, **times, **step.fields}
 
 
 def side_name(side: Side) -> str:

@@ -37,6 +37,8 @@ SCENARIOS: dict[str, Scenario] = {
     "labels": labels,
     "hand": hand,
 }
+ENDING = frozenset({"calibration", "hover", "pressure", "labels"})
+"""Scenarios that end by themselves; the others go on for ever."""
 FURNISHED: dict[str, Callable[[Room], Room]] = {"projector": lit, "chaos": dressed}
 """Scenarios that bring things into the room which are not there otherwise."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,6 +24,18 @@ def stranger() -> Callable[[str], str]:
                 pytest.fail(f"{program} is not installed, and .ci/run must install it")
             pytest.skip(f"{program} is not installed")
         return path
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def free_port() -> Callable[[], int]:
+    """Return a port that nobody has."""
+
+    def find() -> int:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            return int(probe.getsockname()[1])
 
     return find
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -13,18 +12,6 @@ import pytest
 
 HALO = Path(sys.executable).with_name("halo")
 Spawn = Callable[..., "subprocess.Popen[str]"]
-
-
-@pytest.fixture
-def free_port() -> Callable[[], int]:
-    """Return a UDP and TCP port that nobody has."""
-
-    def find() -> int:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            return int(probe.getsockname()[1])
-
-    return find
 
 
 @pytest.fixture

@@ -88,6 +88,14 @@ def test_a_real_recording_reaches_oscdump_and_a_zenoh_subscriber(
 
 
 @pytest.mark.slow
+def test_the_end_of_a_recording_is_a_normal_end(company_data: Path, serve: Spawn) -> None:
+    service = serve("--source", f"recording:{company_data / 'azure_kinect_desk.mkv'}", "--no-zenoh")
+    _, said = service.communicate(timeout=60.0)
+    assert service.returncode == 0
+    assert "Traceback" not in said
+
+
+@pytest.mark.slow
 def test_without_a_camera_hover_touch_and_pressure_reach_oscdump(
     stranger: Callable[[str], str], serve: Spawn, spawn: Spawn, free_port: Callable[[], int]
 ) -> None:

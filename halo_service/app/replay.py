@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TextIO
 
 from halo_service.app.config import Settings
-from halo_service.errors import UserError
+from halo_service.app.files import written
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
@@ -22,7 +19,6 @@ from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 
 NODE = "replay"
-STDOUT = "-"
 
 
 def replay(recording: Path, out: str, settings: Settings) -> int:
@@ -36,7 +32,7 @@ def replay(recording: Path, out: str, settings: Settings) -> int:
             require_fit(profile, source.camera)
         session = session_of(recording)
         state = start(profile, settings.sensing)
-        with _looking(source, profile, settings) as look, _written(out) as file:
+        with _looking(source, profile, settings) as look, written(out) as file:
             count = 0
             for told in sensed(source, look, state):
                 file.write(frame_line(told, NODE, session, count))
@@ -60,23 +56,3 @@ def _looking(source: Source, profile: Profile | None, settings: Settings) -> Ite
 
     with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
         yield eyes.look
-
-
-@contextmanager
-def _written(out: str) -> Iterator[TextIO]:
-    """Open what is written to; a file is moved into place when all went well, else removed."""
-    if out == STDOUT:
-        yield sys.stdout
-        return
-    path = Path(out)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("w", encoding="utf-8", newline="\n") as file:
-            yield file
-        temporary.replace(path)
-    except OSError as error:
-        raise UserError(
-            f"'{out}' cannot be written ({error.strerror}); choose another place for --jsonl"
-        ) from error
-    finally:
-        temporary.unlink(missing_ok=True)

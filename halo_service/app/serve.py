@@ -12,6 +12,7 @@ from types import FrameType
 import halo_protocol as wire
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
+from halo_service.app.orders import Orders
 from halo_service.app.publisher import Publisher
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
@@ -43,7 +44,9 @@ def serve(settings: Settings) -> None:
         publisher = Publisher(frames, carriers, source.kind, source.camera, DEFAULT_SURFACE[0])
         tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
         stack.callback(tracker.close)
-        loop = LiveLoop(source, reopen, tracker, start(profile, settings.sensing), publisher)
+        state = start(profile, settings.sensing)
+        orders = Orders(control)
+        loop = LiveLoop(source, reopen, tracker, state, publisher, orders.obey)
         _stop_on_signals(loop)
         _greet(settings, source, profile, node)
         loop.run()

@@ -44,6 +44,14 @@ class Publisher(Protocol):
         """Send how the service fares."""
 
 
+Obey = Callable[[State, Source | None], State]
+"""Takes what clients have ordered since the last frame, and returns the state that it leaves."""
+
+
+def _hear_nothing(state: State, source: Source | None) -> State:
+    return state
+
+
 class LiveLoop:
     """Runs until it is stopped or its recording ends; closes the source that it was given."""
 
@@ -54,13 +62,15 @@ class LiveLoop:
         tracker: TrackerBeside,
         state: State,
         publisher: Publisher,
+        obey: Obey = _hear_nothing,
     ) -> None:
-        """`reopen` opens the same source again after it was lost."""
+        """`reopen` opens the same source again after it was lost; `obey` takes clients' orders."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
         self._state = state
         self._publisher = publisher
+        self._obey = obey
         self._stopped = threading.Event()
         self._pulse = Pulse()
         self._last_us: int | None = None
@@ -77,6 +87,7 @@ class LiveLoop:
                 self._beat()
                 if self._tracker.failure is not None:
                     raise self._tracker.failure
+                self._state = self._obey(self._state, self._source)
                 self._turn()
         except EndOfSource:
             self._pulse.camera = "ended"

@@ -10,15 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from halo_type.layout import SPACE, Key, keyboard
-from halo_type.layout import WIDTH_MM as KEYBOARD_MM
-from halo_type.phrases import PHRASES
 
 from halo_service.values import Side
 from halo_service.virtual.motion import Performer, Segment, bump
 from halo_service.virtual.plays.common import comfortable, pointer
 from halo_service.virtual.room import WIDTH_MM, Room
 from halo_service.virtual.stage import Play
+from halo_type.layout import SPACE, Key, keyboard
+from halo_type.layout import WIDTH_MM as KEYBOARD_MM
+from halo_type.phrases import PHRASES
 
 TOP_MM = 70.0
 """Where the keyboard begins below the surface's far edge, chosen."""

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import socket
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+# Started in the background by a script, Ctrl-C is ignored, and so it would be by whatever the
+# tests start; they ask how a program ends on Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 REPOSITORY = Path(__file__).parents[1]
 

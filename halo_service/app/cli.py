@@ -54,9 +54,10 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
-    common = argparse.ArgumentParser(add_help=False)
+    debug = argparse.ArgumentParser(add_help=False)
+    debug.add_argument("--debug", action="store_true", help="say more, and show tracebacks")
+    common = argparse.ArgumentParser(add_help=False, parents=[debug])
     common.add_argument("--config", type=Path, metavar="FILE", help="settings (default: halo.toml)")
-    common.add_argument("--debug", action="store_true", help="say more, and show tracebacks")
     common.add_argument(
         "--profile", metavar="P", help="calibration: a path, or a name in your data folder"
     )
@@ -64,6 +65,10 @@ def _parser() -> argparse.ArgumentParser:
     _replay_options(
         verbs.add_parser("replay", parents=[common], help="sense a recording into a file")
     )
+    _simulate_options(
+        verbs.add_parser("simulate", parents=[debug], help="draw a take of the virtual Kinect")
+    )
+    _record_options(verbs.add_parser("record", parents=[common], help="record any source"))
     verbs.add_parser("monitor", help="show what a service sends", add_help=False)
     return parser
 
@@ -99,6 +104,64 @@ def _replay_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("recording", type=Path, metavar="RECORDING")
     verb.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
     verb.set_defaults(run=_replay)
+
+
+def _simulate_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "scenario", nargs="?", metavar="SCENARIO", help="like drumming?seed=3&material=foam"
+    )
+    verb.add_argument("--out", type=Path, metavar="X.mkv", help="the recording")
+    verb.add_argument("--truth", metavar="X.jsonl", help="what really happened, a line a frame")
+    verb.add_argument("--script", metavar="X.json", help="the steps of a calibration in it")
+    verb.add_argument("--seed", type=int, metavar="N", help="one seed is one user at one place")
+    verb.add_argument("--seconds", type=float, metavar="S", help="length, where it has no end")
+    verb.add_argument("--no-colour", action="store_true", help="leave colour out")
+    verb.add_argument(
+        "--gallery", type=Path, metavar="X.png", help="draw materials and states, for your eyes"
+    )
+    verb.set_defaults(run=_simulate)
+
+
+def _record_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("out", type=Path, metavar="OUT.mkv")
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument("--seconds", type=float, metavar="S", help="length; without it, Ctrl-C ends")
+    verb.add_argument("--no-colour", action="store_true", help="for privacy: leave colour out")
+    verb.set_defaults(run=_record)
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from halo_service.app.takes import Simulated, simulate
+
+    if options.gallery is not None:
+        from halo_service.virtual.gallery import save
+
+        save(options.gallery, 1 if options.seed is None else options.seed)
+    elif options.scenario is None or options.out is None:
+        raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
+    if options.scenario is not None and options.out is not None:
+        asked = Simulated(
+            options.scenario,
+            options.out,
+            options.truth,
+            options.script,
+            options.seed,
+            options.seconds,
+            not options.no_colour,
+        )
+        print(f"halo: {simulate(asked)} frames in {options.out}", file=sys.stderr)
+    return 0
+
+
+def _record(options: argparse.Namespace) -> int:
+    from halo_service.app.config import load
+    from halo_service.app.takes import record
+
+    settings = load(options.config).source
+    settings = replace(settings, name=options.source or settings.name)
+    count = record(options.out, settings, options.seconds, not options.no_colour)
+    print(f"halo: {count} frames in {options.out}", file=sys.stderr)
+    return 0
 
 
 def _serve(options: argparse.Namespace) -> int:

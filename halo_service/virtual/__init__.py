@@ -1,0 +1,10 @@
+"""The virtual Kinect: a hand, a table, a light and a sensor that are not there.
+
+It produces what the SDK of a real one would hand over, and truth beside it, never mixed. The
+halo is phenomenological (`halo` says what that means): figures measured here are claims about
+the pipeline, not about the world.
+
+Read in this order: `room` (what a seed draws), `skeleton`, `hand` and `mesh` (who is there),
+`motion` and `plays` (what they do), `scene`, `depth_image`, `colour_image` (what is seen),
+`halo`, `lows`, `noise`, `sensor` (what is measured), `offline` and `live` (who asks for it).
+"""

@@ -57,14 +57,36 @@ def _sigmoid(height: Floats, onset: float) -> Floats:
     return (raw(height) - raw(onset)) / (raw(0.0) - raw(onset))
 
 
-FAMILIES: dict[str, Callable[[Floats, float], Floats]] = {
-    "straight": _straight,
-    "exponential": _exponential,
-    "sigmoid": _sigmoid,
+def _saturating(force: float, soft: float) -> float:
+    return 1.0 - float(np.exp(-force / soft))
+
+
+def _logarithmic(force: float, soft: float) -> float:
+    return float(np.log1p(8.0 * force / soft))
+
+
+def _power(force: float, soft: float) -> float:
+    return float((force / soft) ** 0.85)
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """How a halo grows."""
+
+    approach: Callable[[Floats, float], Floats]
+    """Height, onset -> 0 at the onset, 1 at contact."""
+    press: Callable[[float, float], float]
+    """Force, how soft -> grows from 0; scaled so that a firm press gives 1."""
+
+
+FAMILIES = {
+    "straight": Family(_straight, _saturating),
+    "exponential": Family(_exponential, _power),
+    "sigmoid": Family(_sigmoid, _logarithmic),
 }
-"""Shapes of the approach: height, onset -> 0 at the onset, 1 at contact. The paper gives the
-ends (onset at about 20 mm, 4.1.3) and says that every dependence is non-linear; the shapes in
-between are chosen, several, so that nothing is tuned to one."""
+"""The paper gives the ends (onset at about 20 mm, growth with deformation, 4.1.3) and says that
+every dependence is non-linear; the shapes in between are chosen, several, so that nothing is
+tuned to one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +98,8 @@ class HaloCurve:
     """Height where the halo begins (4.1.3: about 2 cm)."""
     gain: float = 1.0
     """Of the chosen depths; users differ."""
-    press_g: float = 120.0
-    """Force at which 1 - 1/e of the press's dent is there; chosen, as the pad flattens."""
+    press_g: float = 220.0
+    """How soft the finger is, as the family's press has it; chosen."""
     across_deg: float = 0.0
     """Direction over the table in which the halo varies by place; chosen per seed."""
 
@@ -89,11 +111,12 @@ def depth(
     fade: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> float:
     """Depth under a fingertip on paper, mm; `fade` scales approach, contact and press apart."""
+    family, soft = FAMILIES[curve.family], curve.press_g
     height = float(np.clip(height_mm, 0.0, curve.onset_mm))
-    approach = float(FAMILIES[curve.family](np.array(height), curve.onset_mm))
+    approach = float(family.approach(np.array(height), curve.onset_mm))
     contact = max(0.0, 1.0 - height / CONTACT_ONSET_MM) ** 2
-    press = (1.0 - np.exp(-force_g / curve.press_g)) / (1.0 - np.exp(-FIRM_G / curve.press_g))
-    parts = APPROACH_MM * approach, CONTACT_MM * contact, PRESS_MM * float(press)
+    press = family.press(force_g, soft) / family.press(FIRM_G, soft)
+    parts = APPROACH_MM * approach, CONTACT_MM * contact, PRESS_MM * press
     return curve.gain * sum(f * p for f, p in zip(fade, parts, strict=True))
 
 

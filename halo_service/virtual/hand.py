@@ -13,6 +13,7 @@ import numpy as np
 
 from halo_service.values import Finger, Side
 from halo_service.virtual.anatomy import PLANS, bone_of, finger_direction
+from halo_service.virtual.mesh import Floats
 from halo_service.virtual.skeleton import (
     Angles,
     FingerPose,
@@ -22,10 +23,9 @@ from halo_service.virtual.skeleton import (
     about_x,
     about_z,
     bones_of,
-    finger_joints,
     indentation_mm,
+    joints_of,
     posed,
-    tip_of,
 )
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "HandPose",
     "PosedHand",
     "User",
+    "fist",
     "open_hand",
     "place",
     "pointing",
@@ -64,6 +65,9 @@ _LAST_JOINT = (-22.0, -18.0, -10.0, -2.0, 3.0, 8.0, 12.0)
 """How people reach a pitch: the whole hand tilts, and the finger arches (chosen, so that curled
 fingers stay clear of the table)."""
 
+FIST_TILT_DEG = 12.0
+CLEAR_MM, LIFT_DEG, MOST_LIFTS = 4.0, 6.0, 12
+"""People hold the fingers that do not point clear of the table: how far, and in what steps."""
 THUMB_FOLD_DEG = 26.0
 """How far a pointing hand's thumb lies in towards the index finger, chosen."""
 
@@ -87,7 +91,7 @@ def pointing(
         spread[Finger.THUMB] = THUMB_FOLD_DEG * curl
     force[finger] = aim.force_g
     pose = HandPose(side, np.eye(4), tuple(flexion), tuple(spread), 4.0 - 0.55 * tilt, tuple(force))
-    return place(user, pose, aim, finger)
+    return _clear(user, place(user, pose, aim, finger), but=finger)
 
 
 def open_hand(
@@ -117,15 +121,28 @@ def resting(user: User, side: Side, x_mm: float, y_mm: float, yaw_deg: float) ->
     surface_from_hand = np.eye(4)
     surface_from_hand[:3, :3] = yaw
     surface_from_hand[:3, 3] = np.array([x_mm, y_mm, 0.0]) - yaw @ knuckle
-    pose = HandPose(side, surface_from_hand, tuple(flat.values()), (0.0,) * 5, 7.0)
-    surface_from_hand[2, 3] -= max(tip_of(user, pose, f)[2] for f in Finger)
+    pose = HandPose(side, surface_from_hand, tuple(flat.values()), (0.0,) * 5, 12.0)
+    surface_from_hand[2, 3] += _flesh_mm(user, pose).min()
+    return pose
+
+
+def fist(user: User, side: Side, x_mm: float, y_mm: float, yaw_deg: float) -> HandPose:
+    """A closed hand with its knuckles on the table, all fingers curled in, near a place."""
+    curled = tuple(CURLED[f] for f in Finger)
+    folded = (THUMB_FOLD_DEG, 0.0, 0.0, 0.0, 0.0)
+    surface_from_hand = np.eye(4)
+    surface_from_hand[:3, :3] = about_z(np.radians(yaw_deg)) @ about_x(-np.radians(FIST_TILT_DEG))
+    knuckle = np.array(PLANS[Finger.MIDDLE].root) * user.size
+    surface_from_hand[:3, 3] = [x_mm, y_mm, 0.0] - surface_from_hand[:3, :3] @ knuckle
+    pose = HandPose(side, surface_from_hand, curled, folded)
+    surface_from_hand[2, 3] += _flesh_mm(user, pose)[:, 1:].min()
     return pose
 
 
 def place(user: User, pose: HandPose, aim: FingerPose, finger: Finger) -> HandPose:
     """Turn and move a hand as a whole until `finger` is where `aim` wants it."""
     bones = bones_of(pose)
-    tip = finger_joints(bones, finger)[3] * user.size
+    tip = joints_of(bones)[finger, 3] * user.size
     along = bones[bone_of(finger, 2), :3, :3] @ finger_direction(PLANS[finger].yaw_deg)
     if pose.side is Side.LEFT:
         tip[0], along[0] = -tip[0], -along[0]
@@ -142,6 +159,31 @@ def place(user: User, pose: HandPose, aim: FingerPose, finger: Finger) -> HandPo
     return dataclasses.replace(pose, surface_from_hand=surface_from_hand)
 
 
+def _clear(user: User, pose: HandPose, but: Finger) -> HandPose:
+    """Lift the fingers that would go through the table, all but one, at their first joint."""
+    for _ in range(MOST_LIFTS):
+        low = _flesh_mm(user, pose)[:, 1:].min(axis=1) < CLEAR_MM
+        low[but] = False
+        if not low.any():
+            break
+        flexion = [
+            (a - LIFT_DEG, b, c) if low[f] else (a, b, c)
+            for f, (a, b, c) in enumerate(pose.flexion)
+        ]
+        pose = dataclasses.replace(pose, flexion=tuple(flexion))
+    return pose
+
+
+def _flesh_mm(user: User, pose: HandPose) -> Floats:
+    """(5, 4) heights above the table of the flesh under each finger's joints and tip."""
+    places = joints_of(bones_of(pose)) * user.size
+    if pose.side is Side.LEFT:
+        places[..., 0] = -places[..., 0]
+    depth = places @ pose.surface_from_hand[2, :3] + pose.surface_from_hand[2, 3]
+    radii = np.array([PLANS[finger].radii for finger in Finger]) * user.girth * user.size
+    return np.asarray(-(depth + radii), dtype=np.float64)
+
+
 def _knuckle(user: User, pose: HandPose, finger: Finger, height_mm: float) -> float:
     """The first joint's angle, degrees, at which a finger's pad is at a height."""
     plan = PLANS[finger]
@@ -150,7 +192,7 @@ def _knuckle(user: User, pose: HandPose, finger: Finger, height_mm: float) -> fl
     rest = dataclasses.replace(pose, flexion=tuple(straight), spread=(0.0,) * 5)
     root = np.array(plan.root)
     yaw = np.radians(plan.yaw_deg)
-    chain = about_z(-yaw) @ (finger_joints(bones_of(rest), finger)[3] - root) * user.size
+    chain = about_z(-yaw) @ (joints_of(bones_of(rest))[finger, 3] - root) * user.size
     down = pose.surface_from_hand[2, :3].copy()
     if pose.side is Side.LEFT:
         down[0] = -down[0]

@@ -1,7 +1,7 @@
 """How people move a finger: reaches, taps, presses and strokes on a time line.
 
-Rule: pure, time in seconds comes in by the door. A performer writes segments one after the other,
-without end if need be; a track reads the pose at any time from 0 on and remembers the contacts.
+Rule: pure. A performer writes segments one after the other, without end if need be; `track`
+reads them.
 
 Reaches follow the minimum-jerk profile (Flash and Hogan 1985). A tap is a reach through the
 surface, cut off where it meets it: so the finger arrives with speed, as fingers do.
@@ -19,10 +19,6 @@ import numpy as np
 from halo_service.values import Finger, Side
 from halo_service.virtual.skeleton import FingerPose
 
-TREMOR_MM = 0.12
-"""Amplitude of the physiological tremor of 8 to 12 Hz in a free finger, chosen within published
-ranges; SWAY_MM the slow one of a held arm."""
-SWAY_MM = 0.5
 LEAST_G = 2.0
 """The lightest touch, grams."""
 SHORTEST_S = 0.05
@@ -261,58 +257,3 @@ def bump(peak_g: float) -> Callable[[float], float]:
 def plateau(force_g: float, rise: float = 0.25) -> Callable[[float], float]:
     """Force of a press: up, held, down."""
     return lambda s: force_g * smooth(s / rise) * smooth((1.0 - s) / rise)
-
-
-class Track:
-    """A time line that writes itself as far as it is read."""
-
-    def __init__(self, segments: Iterator[Segment], rng: np.random.Generator) -> None:
-        self._source = segments
-        self._recent: list[Segment] = []
-        self._begun: list[Contact] = []
-        self.finished = False
-        """Whether the time line has come to its end; the last pose is kept for ever."""
-        self._phase = rng.uniform(0.0, 2.0 * np.pi, (3, 4))
-        self._pace = np.concatenate([rng.uniform(0.3, 0.9, (3, 2)), rng.uniform(8, 12, (3, 2))], 1)
-
-    def at(self, t_s: float) -> FingerPose:
-        """The pose at a time; times may not go back by more than a second."""
-        segment = self._segment(t_s)
-        return self._alive(segment.pose(min(t_s, segment.end_s)), t_s)
-
-    def tool_at(self, t_s: float) -> str | None:
-        """What the finger rests on."""
-        return self._segment(t_s).tool
-
-    def begun(self, t_s: float) -> list[Contact]:
-        """Touches that have begun since the last call."""
-        ready = [c for c in self._begun if c.from_s <= t_s]
-        self._begun = [c for c in self._begun if c.from_s > t_s]
-        return ready
-
-    def _segment(self, t_s: float) -> Segment:
-        while not self._recent or self._recent[-1].end_s <= t_s:
-            segment = next(self._source, None)
-            if segment is None:
-                self.finished = True
-                return self._recent[-1]
-            if segment.contact is not None:
-                self._begun.append(segment.contact)
-            self._recent = [s for s in self._recent if s.end_s > t_s - 1.0] + [segment]
-        for segment in reversed(self._recent):
-            if segment.start_s <= t_s:
-                return segment
-        return self._recent[0]
-
-    def _alive(self, pose: FingerPose, t_s: float) -> FingerPose:
-        """Add tremor and sway; none in height at contact, little along the table."""
-        waves = np.sin(2.0 * np.pi * self._pace * t_s + self._phase)
-        shake = waves @ np.array([SWAY_MM, SWAY_MM, TREMOR_MM, TREMOR_MM]) / 2.0
-        loose = min(1.0, pose.height_mm / 8.0)
-        along = 0.15 + 0.85 * loose
-        return dataclasses.replace(
-            pose,
-            x_mm=pose.x_mm + float(shake[0]) * along,
-            y_mm=pose.y_mm + float(shake[1]) * along,
-            height_mm=max(0.0, pose.height_mm + float(shake[2]) * loose),
-        )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Lens
+from halo_service.virtual.depth_image import Ideal
 from halo_service.virtual.room import Room
 
 Image = NDArray[np.float32]
@@ -61,10 +62,9 @@ class Electronics:
         self._dark = _corners(lens)
         self._holes = room.surface_material.holes
 
-    def depth(
-        self, ideal: Image, infrared: Image, age_s: float, rng: np.random.Generator
-    ) -> NDArray[np.uint16]:
+    def depth(self, seen: Ideal, age_s: float, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16, mm, 0 where nothing is measured."""
+        ideal, infrared = seen.depth, seen.infrared
         bright = np.maximum(infrared, np.float32(1.0))
         sigma = np.sqrt(np.float32(PHOTON_MM**2 * PHOTON_IR) / bright + np.float32(FLOOR_MM**2))
         sigma *= np.float32(self._times)
@@ -76,7 +76,8 @@ class Electronics:
         read: NDArray[np.uint16] = sigma.astype(np.uint16)
         read[self._dark | (infrared < TOO_DARK)] = 0
         if self._holes:
-            read[rng.random(ideal.shape, np.float32) < self._holes] = 0
+            holes = rng.random(ideal.shape, np.float32) < self._holes
+            read[holes & (seen.covered == 0)] = 0
         return read
 
     def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:

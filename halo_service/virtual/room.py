@@ -136,7 +136,7 @@ def draw_curve(seed: int, family: object) -> HaloCurve:
         family=name if family is None else str(family),
         onset_mm=float(draw.uniform(19.0, 22.0)),
         gain=float(draw.uniform(0.9, 1.15)),
-        press_g=float(draw.uniform(90.0, 160.0)),
+        press_g=float(draw.uniform(150.0, 300.0)),
         across_deg=float(draw.uniform(0.0, 360.0)),
     )
 

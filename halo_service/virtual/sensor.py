@@ -71,7 +71,7 @@ class Sensor:
         lost = _soften_edges(ideal, self._imager.view.depth, rng)
         self._dent(hands, ideal)
         electronics = self._electronics
-        depth = electronics.depth(ideal.depth, ideal.infrared, age_s, rng)
+        depth = electronics.depth(ideal, age_s, rng)
         if lost is not None:
             depth[lost[0]][lost[1]] = 0
         infrared = electronics.infrared(ideal.infrared, rng)

@@ -17,6 +17,16 @@ from halo_service.virtual.mesh import Floats, Ints
 Angles = tuple[float, float, float]
 
 
+def about_x(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def about_z(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
 @dataclass(frozen=True, slots=True)
 class User:
     """Whose hands these are."""
@@ -132,7 +142,7 @@ def indentation_mm(user: User, force_g: float) -> float:
 
 def tip_of(user: User, pose: HandPose, finger: Finger) -> Floats:
     """(3,) the lowest point of a fingertip, as `PosedHand.pad` gives it, without the skin."""
-    tip = finger_joints(bones_of(pose), finger)[3] * user.size
+    tip = joints_of(bones_of(pose))[finger, 3] * user.size
     if pose.side is Side.LEFT:
         tip[0] = -tip[0]
     low = pose.surface_from_hand[:3, :3] @ tip + pose.surface_from_hand[:3, 3]
@@ -147,7 +157,7 @@ def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> Po
     mix = (mesh.weights @ bones.reshape(BONES, 16)).reshape(-1, 4, 4)
     vertices = np.einsum("vij,vj->vi", mix[:, :3, :3], mesh.vertices) + mix[:, :3, 3]
     normals = np.einsum("vij,vj->vi", mix[:, :3, :3], mesh.normals)
-    skeleton = np.stack([finger_joints(bones, finger) for finger in Finger])
+    skeleton = joints_of(bones)
     palm = np.array([[0.0, 0.0, 0.0], *(PLANS[f].root for f in list(Finger)[1:])])
     faces = mesh.faces
     if pose.side is Side.LEFT:
@@ -176,44 +186,50 @@ def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> Po
 def bones_of(pose: HandPose) -> Floats:
     """(BONES, 4, 4) what carries rest points of each bone to their place in the hand's frame."""
     bones = np.tile(np.eye(4), (BONES, 1, 1))
-    bones[ARM] = _hinge(np.zeros(3), about_x(-np.radians(pose.arm_pitch_deg)))
-    for finger in Finger:
-        yaw = np.radians(PLANS[finger].yaw_deg)
-        places = joints(finger)
-        carried = np.eye(4)
-        for segment, flex in enumerate(pose.flexion[finger]):
-            bend = about_z(yaw) @ about_x(-np.radians(flex)) @ about_z(-yaw)
-            if segment == 0:
-                bend = about_z(np.radians(pose.spread[finger])) @ bend
-            carried = carried @ _hinge(places[segment], bend)
-            bones[bone_of(finger, segment)] = carried
+    bones[ARM] = _hinges(np.zeros((1, 3)), about_x(-np.radians(pose.arm_pitch_deg))[None])[0]
+    # All five fingers at once: bend each joint about the finger's own sideways axis.
+    flex = -np.radians(np.array(pose.flexion))
+    bends = _AHEAD[:, None] @ _turns_about_x(flex) @ _AHEAD.transpose(0, 2, 1)[:, None]
+    spreads = np.stack([about_z(np.radians(angle)) for angle in pose.spread])
+    bends[:, 0] = spreads @ bends[:, 0]
+    carried = _hinges(_REST[:, 0], bends[:, 0])
+    bones[2::3] = carried
+    for segment in (1, 2):
+        carried = carried @ _hinges(_REST[:, segment], bends[:, segment])
+        bones[2 + segment :: 3] = carried
     return bones
 
 
-def finger_joints(bones: Floats, finger: Finger) -> Floats:
-    """(4, 3) three joints and the tip's centre, in the hand's frame."""
-    rest = joints(finger)
-    carriers = [bones[bone_of(finger, segment)] for segment in (0, 1, 2, 2)]
-    return np.stack([c[:3, :3] @ p + c[:3, 3] for c, p in zip(carriers, rest, strict=True)])
+def joints_of(bones: Floats) -> Floats:
+    """(5, 4, 3) each finger's three joints and its tip's centre, in the hand's frame."""
+    carriers = bones[_CARRIERS]
+    return np.asarray(
+        np.einsum("fjik,fjk->fji", carriers[..., :3, :3], _REST) + carriers[..., :3, 3]
+    )
 
 
-def _hinge(point: Floats, rotation: Floats) -> Floats:
-    """Turn about a point."""
-    transform = np.eye(4)
-    transform[:3, :3] = rotation
-    transform[:3, 3] = point - rotation @ point
-    return transform
+_REST = np.stack([joints(finger) for finger in Finger])
+_AHEAD = np.stack([about_z(np.radians(PLANS[finger].yaw_deg)) for finger in Finger])
+_CARRIERS = np.array([[bone_of(finger, segment) for segment in (0, 1, 2, 2)] for finger in Finger])
+
+
+def _turns_about_x(angles: Floats) -> Floats:
+    """(..., 3, 3)."""
+    turns = np.zeros((*angles.shape, 3, 3))
+    turns[..., 0, 0] = 1.0
+    turns[..., 1, 1] = turns[..., 2, 2] = np.cos(angles)
+    turns[..., 2, 1] = np.sin(angles)
+    turns[..., 1, 2] = -turns[..., 2, 1]
+    return turns
+
+
+def _hinges(points: Floats, rotations: Floats) -> Floats:
+    """(N, 4, 4) turns about points."""
+    transforms = np.tile(np.eye(4), (len(points), 1, 1))
+    transforms[:, :3, :3] = rotations
+    transforms[:, :3, 3] = points - np.einsum("nij,nj->ni", rotations, points)
+    return transforms
 
 
 def _unit(vector: Floats) -> Floats:
     return np.asarray(vector / np.linalg.norm(vector), dtype=np.float64)
-
-
-def about_x(angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-
-
-def about_z(angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

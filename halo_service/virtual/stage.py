@@ -16,9 +16,10 @@ from halo_service.values import Side
 from halo_service.virtual.bodies import Body, wedge
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.mesh import Floats
-from halo_service.virtual.motion import Contact, Performer, Step, Track
+from halo_service.virtual.motion import Contact, Performer, Step
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import HandPose, PosedHand, User, posed, tip_of
+from halo_service.virtual.track import Track
 
 VELOCITY_S = 0.01
 """Over which a hand's velocity is taken."""

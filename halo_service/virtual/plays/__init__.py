@@ -6,40 +6,44 @@ from collections.abc import Callable
 
 import numpy as np
 
-from halo_service.virtual.plays.calibration import calibration
-from halo_service.virtual.plays.chaos import chaos, dressed
-from halo_service.virtual.plays.demo import demo
-from halo_service.virtual.plays.drumming import drumming
-from halo_service.virtual.plays.idle import idle
-from halo_service.virtual.plays.labels import labels
-from halo_service.virtual.plays.painting import painting
-from halo_service.virtual.plays.projector import lit, projector
-from halo_service.virtual.plays.puppet import hand
-from halo_service.virtual.plays.study import hover, pointing, pressure
-from halo_service.virtual.plays.ten_fingers import ten_fingers
+from halo_service.virtual.plays import (
+    calibration,
+    chaos,
+    demo,
+    drumming,
+    idle,
+    labels,
+    painting,
+    projector,
+    puppet,
+    study,
+    ten_fingers,
+    typing,
+)
 from halo_service.virtual.room import Room
 from halo_service.virtual.stage import Play
 
 Scenario = Callable[[Room, np.random.Generator], Play]
 
 SCENARIOS: dict[str, Scenario] = {
-    "demo": demo,
-    "idle": idle,
-    "calibration": calibration,
-    "pointing": pointing,
-    "hover": hover,
-    "pressure": pressure,
-    "drumming": drumming,
-    "painting": painting,
-    "ten-fingers": ten_fingers,
-    "projector": projector,
-    "chaos": chaos,
-    "labels": labels,
-    "hand": hand,
+    "demo": demo.demo,
+    "idle": idle.idle,
+    "calibration": calibration.calibration,
+    "pointing": study.pointing,
+    "hover": study.hover,
+    "pressure": study.pressure,
+    "typing": typing.typing,
+    "drumming": drumming.drumming,
+    "painting": painting.painting,
+    "ten-fingers": ten_fingers.ten_fingers,
+    "projector": projector.projector,
+    "chaos": chaos.chaos,
+    "labels": labels.labels,
+    "hand": puppet.hand,
 }
 ENDING = frozenset({"calibration", "hover", "pressure", "labels"})
 """Scenarios that end by themselves; the others go on for ever."""
-FURNISHED: dict[str, Callable[[Room], Room]] = {"projector": lit, "chaos": dressed}
+FURNISHED: dict[str, Callable[[Room], Room]] = {"projector": projector.lit, "chaos": chaos.dressed}
 """Scenarios that bring things into the room which are not there otherwise."""
 
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from halo_service.values import Side
 from halo_service.virtual.bodies import Body, cup
-from halo_service.virtual.hand import pointing, resting
-from halo_service.virtual.motion import Contact, Performer, Segment, Track
+from halo_service.virtual.hand import fist, resting
+from halo_service.virtual.motion import Contact, Performer, Segment
 from halo_service.virtual.plays.common import away, pointer, somewhere
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import HandPose, User
 from halo_service.virtual.stage import Play, other
+from halo_service.virtual.track import Track
 
 SLEEVE_MM = 45.0
 """How far a shirt's cuff ends above the wrist, chosen."""
@@ -32,18 +33,14 @@ def dressed(room: Room) -> Room:
 class Loafer:
     """A hand that comes, rests its palm or its fist on the table, and goes, touching nothing."""
 
-    def __init__(self, user: User, side: Side, track: Track, fist: bool) -> None:
-        self._user, self._side, self._track, self._fist = user, side, track, fist
+    def __init__(self, user: User, side: Side, track: Track, closed: bool) -> None:
+        self._user, self._side, self._track = user, side, track
+        self._shape = fist if closed else resting
 
     def pose(self, t_s: float) -> HandPose | None:
-        """Low enough to lie on the table when its time line says height 0."""
+        """On the table when its time line says height 0."""
         at = self._track.at(t_s)
-        if self._fist:
-            aim = dataclasses.replace(at, height_mm=at.height_mm + FIST_MM, pitch_deg=25.0)
-            pose = pointing(self._user, self._side, aim, curl=1.0)
-            curled = (pose.flexion[0], *(pose.flexion[2],) * 4)
-            return dataclasses.replace(pose, flexion=curled)
-        pose = resting(self._user, self._side, at.x_mm, at.y_mm, at.yaw_deg)
+        pose = self._shape(self._user, self._side, at.x_mm, at.y_mm, at.yaw_deg)
         raised = pose.surface_from_hand.copy()
         raised[2, 3] -= at.height_mm
         return dataclasses.replace(pose, surface_from_hand=raised)
@@ -62,19 +59,15 @@ class Loafer:
         return False
 
 
-FIST_MM = 12.0
-"""How much higher a fist's missing fingertip would be; its knuckles then just touch."""
-
-
 def chaos(room: Room, rng: np.random.Generator) -> Play:
     """For ever; the mug comes once."""
     tapper = pointer(room, rng, _comes_and_goes)
     side = other(room.dominant)
     actors = [tapper[1]]
     late = []
-    for delay_s, fist in ((4.0, False), (17.0, True)):
+    for delay_s, closed in ((4.0, False), (17.0, True)):
         performer = Performer(rng, away(room, side), side)
-        late.append(Loafer(room.user, side, Track(_visit(performer, delay_s), rng), fist))
+        late.append(Loafer(room.user, side, Track(_visit(performer, delay_s), rng), closed))
     return Play(room, [*actors, *late], tapper[0].steps, _mug)
 
 

@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from halo_service.values import Finger, Side
-from halo_service.virtual.motion import Performer, Segment, Track
+from halo_service.virtual.motion import Performer, Segment
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import FingerPose
 from halo_service.virtual.stage import Play, Pointer
+from halo_service.virtual.track import Track
 
 Script = Callable[[Performer], Iterator[Segment]]
 

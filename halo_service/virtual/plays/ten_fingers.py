@@ -9,11 +9,12 @@ import numpy as np
 from halo_service.values import Finger, Side
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.hand import open_hand
-from halo_service.virtual.motion import Contact, Performer, Segment, Track, bump
+from halo_service.virtual.motion import Contact, Performer, Segment, bump
 from halo_service.virtual.plays.common import away
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import FingerPose, HandPose, User
 from halo_service.virtual.stage import Play
+from halo_service.virtual.track import SWAY_MM, Track
 
 REST_MM = 11.0
 """Height of the fingers that wait, chosen; a playing finger's neighbours move along a little."""
@@ -32,7 +33,7 @@ class OpenHand:
     def pose(self, t_s: float) -> HandPose | None:
         """The palm where its time line has it, the fingers at their heights above the table."""
         palm = self._palm.at(t_s)
-        lifted = max(0.0, palm.height_mm - REST_MM)
+        lifted = max(0.0, palm.height_mm - REST_MM - SWAY_MM)  # fingers do not sway with it
         aims = {finger: track.at(t_s) for finger, track in self._fingers.items()}
         return open_hand(
             self._user,

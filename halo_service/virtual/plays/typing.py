@@ -84,11 +84,11 @@ def _strokes(p: Performer, seed: int) -> Iterator[Segment]:
         x, y = p.rng.normal(aim, AIM_MM)
         yield from p.tap_at(
             stroke.when_s,
-            float(np.clip(p.rng.lognormal(np.log(HOLD_S), 0.25), 0.05, 0.25)),
+            float(np.clip(p.rng.lognormal(np.log(HOLD_S), 0.25), 0.05, 0.15)),
             bump(float(np.clip(p.rng.lognormal(np.log(55.0), 0.35), 15.0, 250.0))),
             lift_mm=p.rng.uniform(8.0, 16.0),
             target_mm=aim,
             key=stroke.key.character,
             to={"x_mm": x, "y_mm": y},
         )
-        yield from p.reach(0.1, height_mm=p.rng.uniform(7.0, 12.0))
+        yield from p.reach(0.07, height_mm=p.rng.uniform(7.0, 12.0))

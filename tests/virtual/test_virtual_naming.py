@@ -1,0 +1,60 @@
+"""What one writes after `sim`, and the sentence for each mistake."""
+
+import pytest
+
+from halo_service.errors import UserError
+from halo_service.values import Side
+from halo_service.virtual.naming import wish
+from halo_service.virtual.plays import SCENARIOS
+from halo_service.virtual.room import draw_room
+
+
+def test_everything_can_be_set_in_the_name():
+    asked = wish("sim:drumming?seed=3&material=foam&camera_height_mm=600&hand=left&family=sigmoid")
+    assert asked.scenario == "drumming"
+    room = asked.room
+    assert (room.seed, room.material, room.camera_height_mm) == (3, "foam", 600.0)
+    assert (room.dominant, room.curve.family) == (Side.LEFT, "sigmoid")
+
+
+@pytest.mark.parametrize(
+    "name", ["", "sim", "sim:", "sim:demo", "demo", "sim?seed=1", "sim:?seed=1"]
+)
+def test_the_default_is_the_demo_of_seed_1(name):
+    asked = wish(name)
+    assert (asked.scenario, asked.room) == ("demo", draw_room(1))
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_every_scenario_has_a_name(scenario):
+    assert wish(f"sim:{scenario}").scenario == scenario
+
+
+def test_the_seed_of_the_command_line_wins():
+    assert wish("sim:demo?seed=3", seed=8).room == draw_room(8)
+
+
+MISTAKES = [
+    ("sim:juggling", "no scenario 'juggling'; known: demo, idle"),
+    ("sim:demo?material=glue", "no material 'glue'; known: paper, wood"),
+    ("sim:demo?colour=red", "no option 'colour'; known: seed, material"),
+    ("sim:demo?camera_height_mm=-500", "camera_height_mm is -500; give 300 to 1500"),
+    ("sim:demo?camera_height_mm=nan", "camera_height_mm is nan"),
+    ("sim:demo?camera_height_mm=tall", "camera_height_mm is 'tall'; it must be a number"),
+    ("sim:demo?camera_pitch_deg=90", "camera_pitch_deg is 90"),
+    ("sim:demo?seed=-1", "seed is -1"),
+    ("sim:demo?seed=x", "seed is 'x'; it must be a whole number"),
+    ("sim:demo?hand=third", "hand is 'third'; it must be left or right"),
+    ("sim:demo?family=cubic", "no halo family 'cubic'; known: exponential, sigmoid, straight"),
+    ("sim:demo?props=sofa", "no object 'sofa'; known: sheet, board, cup"),
+    ("sim:demo?drop=1", "drop is 1; give 0 to 0.9"),
+    ("sim:demo?noise=-2", "noise is -2"),
+]
+
+
+@pytest.mark.parametrize("name, sentence", MISTAKES, ids=[m[0] for m in MISTAKES])
+def test_every_mistake_gets_its_sentence(name, sentence):
+    with pytest.raises(UserError) as caught:
+        wish(name)
+    assert sentence in str(caught.value)
+    assert str(caught.value).endswith(".")

@@ -1,0 +1,30 @@
+"""A virtual recording, read by a stranger: Debian's ffmpeg gets the frames that were drawn."""
+
+import subprocess
+
+import numpy as np
+
+from halo_service.outputs.recorder import Recorder
+from halo_service.virtual.camera import FPS
+from halo_service.virtual.naming import wish
+from halo_service.virtual.offline import Take
+
+
+def test_ffmpeg_reads_equal_frames(stranger, tmp_path):
+    ffmpeg = stranger("ffmpeg")
+    path = tmp_path / "demo.mkv"
+    take = Take(wish("sim:demo?seed=2"), 0.4)
+    drawn = []
+    with Recorder(path, take.camera, fps=FPS, colour=True) as recorder:
+        for frame, _ in take:
+            if frame is not None:
+                recorder.write(frame)
+                drawn.append(frame)
+    for stream, images in ((1, [f.depth for f in drawn]), (2, [f.ir for f in drawn])):
+        raw = subprocess.run(
+            [ffmpeg, "-v", "error", "-i", path, "-map", f"0:{stream}", "-f", "rawvideo",
+             "-pix_fmt", "gray16le", "-fps_mode", "passthrough", "-"],
+            check=True, capture_output=True,
+        ).stdout  # fmt: skip
+        read = np.frombuffer(raw, "<u2").reshape(-1, 576, 640)
+        assert np.array_equal(read, np.array(images))

@@ -40,7 +40,7 @@ def choose_base(wanted: str, camera_serial: str) -> Base | None:
         base = read_base(Path(wanted).expanduser())
         if base.camera_serial != camera_serial:
             log.warning(
-                "base: '%s' was made on camera %s, and this is %s; its correction may be wrong here",
+                "base: '%s' was made on camera %s, this is %s: its correction may be wrong here",
                 base.name, base.camera_serial, camera_serial,
             )  # fmt: skip
         return base

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ def parse_script(data: Any, name: str) -> tuple[Line, ...]:
     if not isinstance(data, list) or not data:
         raise UserError(f'the script {name} must be a list of steps: [{{"step": ...}}, ...]')
     lines = sorted((_line(each, name) for each in data), key=lambda line: line.from_s)
-    for before, after in zip(lines, lines[1:], strict=False):
+    for before, after in pairwise(lines):
         if after.from_s < before.to_s:
             raise UserError(
                 f"the script {name} lets '{before.step}' and '{after.step}' overlap in time; "

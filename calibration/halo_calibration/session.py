@@ -35,7 +35,6 @@ class Session:
             if until_us is None:
                 until_us = capture.time_us + round(seconds * US_PER_S)
             if capture.time_us >= until_us:
-                self._ahead = capture
                 return
             if isinstance(capture, Frame):
                 yield capture

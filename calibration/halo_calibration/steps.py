@@ -19,8 +19,8 @@ from halo_calibration.sweep import (
     GOOD_COVERED,
     Samples,
     Swept,
-    covered,
     coverage,
+    covered,
     judge_sweep,
 )
 from halo_calibration.touch import Held, Stated, corrected, solve_touch
@@ -161,8 +161,8 @@ def sweep_change(setup: Setup, swept: Swept, profile: Profile) -> Change:
     if fit.corrected > fit.raw and fit.corrected > FAIR_CORRECTED:
         raise Refused(
             f"the halo of the sweep cannot be predicted ({100 * fit.corrected:.0f} % is left of "
-            f"{100 * fit.raw:.0f} %): rest the finger on the wedge all the time, draw it slowly and "
-            f"evenly, and sweep again"
+            f"{100 * fit.raw:.0f} %): rest the finger on the wedge all the time, draw it slowly "
+            f"and evenly, and sweep again"
         )
     share = coverage(covered(samples, surface))
     good = share >= GOOD_COVERED and fit.corrected < FAIR_CORRECTED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -62,6 +62,9 @@ def calibrate(settings: Settings, wish: Wish) -> Path:
             _by_script(setup, source, look_with, wish.script, folder)
         else:
             _guided(setup, source, look_with, wish.step, folder)
+        left = missing(load(folder))
+        say = Terminal(None).say
+        say(f"Still missing: {', '.join(left)}." if left else _next(settings))
     return folder
 
 
@@ -77,9 +80,7 @@ def _guided(
     profile = load(folder) if exists(folder) else None
     todo = [step] if step else missing(profile)
     if not todo:
-        terminal.say(
-            f"{folder} is complete; to do a step again, name it: halo calibrate touch --profile ..."
-        )
+        terminal.say(f"{folder} is complete; name a step to do it again, e.g. halo calibrate touch")
         return
     terminal.say(f"Calibrating {folder}: {', '.join(todo)}.")
     for name in todo:
@@ -87,8 +88,6 @@ def _guided(
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
             terminal.say(told(each, profile.steps[each]))
-    left = missing(profile)
-    terminal.say(f"Still missing: {', '.join(left)}." if left else _next(folder, source))
 
 
 def _one(name: str, guided: Guided, setup: Setup, profile: Profile | None) -> Change:
@@ -119,7 +118,6 @@ def _by_script(
     profile = amend(folder, lambda _: made)
     for name, record in profile.steps.items():
         terminal.say(told(name, record))
-    terminal.say(_next(folder, source))
 
 
 def missing(profile: Profile | None) -> list[str]:
@@ -152,8 +150,6 @@ def _source(settings: Settings, wish: Wish) -> Source:
             "calibrate: nobody in a recording follows the prompts; say what happens when with "
             "--script FILE"
         )
-    from dataclasses import replace
-
     fast = replace(settings.source, fast=name.startswith("recording:"))
     return open_source(fast)[0]
 
@@ -174,7 +170,7 @@ def _eyes(source: Source, settings: Settings, stack: ExitStack) -> Callable[[Pro
     return look_with
 
 
-def _next(folder: Path, source: Source) -> str:
-    name = folder if folder.parent != profile_path("x").parent else folder.name
-    shown = "sim" if isinstance(source, VirtualUser) else "auto"
-    return f"Done. Use it with: halo serve --source {shown} --profile {name}"
+def _next(settings: Settings) -> str:
+    source = settings.source.name
+    shown = "" if source == "auto" or source.startswith("recording:") else f" --source {source}"
+    return f"Done. Use it with: halo serve{shown} --profile {settings.profile}"

@@ -64,6 +64,10 @@ def _parser() -> argparse.ArgumentParser:
     _replay_options(
         verbs.add_parser("replay", parents=[common], help="sense a recording into a file")
     )
+    calibration = verbs.add_parser(
+        "calibrate", parents=[common], help="teach the service a place and a finger"
+    )
+    _calibrate_options(calibration)
     verbs.add_parser("monitor", help="show what a service sends", add_help=False)
     return parser
 
@@ -99,6 +103,42 @@ def _replay_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("recording", type=Path, metavar="RECORDING")
     verb.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
     verb.set_defaults(run=_replay)
+
+
+def _calibrate_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "step",
+        nargs="?",
+        choices=("background", "surface", "touch", "sweep"),
+        metavar="STEP",
+        help="background, surface, touch or sweep; without one all that are missing",
+    )
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
+    verb.add_argument("--hover-mm", type=float, metavar="MM", help="height of the hover spacer")
+    verb.add_argument("--subtle-mm", type=float, metavar="MM", help="height of the subtle spacer")
+    verb.add_argument("--touch-g", type=float, metavar="G", help="force of the relaxed touch")
+    verb.add_argument("--press-g", type=float, metavar="G", help="what the kitchen scale shows")
+    verb.add_argument("--hand", choices=("left", "right"), help="touch parameters for this hand")
+    verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
+    verb.set_defaults(run=_calibrate)
+
+
+def _calibrate(options: argparse.Namespace) -> int:
+    from halo_calibration.touch import Stated
+    from halo_service.app.calibrate import Wish, calibrate
+    from halo_service.app.config import load
+    from halo_service.values import Side
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
+    side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
+    calibrate(
+        replace(settings, profile=options.profile or settings.profile, source=source),
+        Wish(options.step, options.script, stated, side, options.base),
+    )
+    return 0
 
 
 def _serve(options: argparse.Namespace) -> int:

@@ -66,6 +66,13 @@ class VirtualUser:
         """Do what a cue says, from the next moment on."""
         self._cue = cue
 
+    def skip(self, seconds: float) -> None:
+        """Let time pass without a frame."""
+        until = self._index + round(seconds * FPS)
+        while self._index < until:  # step by step: a cue is heard when the one before is done
+            self._track.at(self._index / FPS)
+            self._index += 1
+
     def read(self, timeout_s: float) -> Frame:
         """Return the next frame."""
         del timeout_s  # it never has to wait

@@ -105,6 +105,12 @@ def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -
     return Signal(raw, correct(raw, tip, correction), line_pixels(revealed, tip))
 
 
+def adopt(state: State, profile: Profile) -> State:
+    """Go on with another profile. Every finger begins anew in the air, so a touch owes its up."""
+    fingers = tuple(replace(finger, detector=None) for finger in state.fingers)
+    return replace(state, profile=profile, fingers=fingers, drift=Drift())
+
+
 def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
     """Let all pointers go: what a frame that cannot be sensed says, so that nothing sticks."""
     events = [event for finger in state.fingers for event in changes(finger, None)]

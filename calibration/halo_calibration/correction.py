@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from halo_calibration.sweep import Samples
 from halo_service.geometry.surface import Surface
@@ -78,14 +79,13 @@ class Model:
         """(N, 4) x, y, pitch, yaw to (N,) relative signal."""
         signal = self._from_base(where)
         if self._user is not None:
-            signal = signal * self._user.predict(where - self._middle)
+            signal = signal * _predicted(self._user, where - self._middle)
         return np.maximum(signal, 0.05)
 
     def _from_base(self, where: NDArray[np.float64]) -> NDArray[np.float64]:
         if self._base is None:
             return np.ones(len(where))
-        predicted = self._base.predict(where - self._middle)
-        return np.maximum(np.asarray(predicted, dtype=np.float64), 0.05)
+        return np.maximum(_predicted(self._base, where - self._middle), 0.05)
 
 
 def solve_correction(
@@ -159,7 +159,7 @@ def _boosted(features: NDArray[np.float64], signal: NDArray[np.float64]) -> Any:
     """Fit the paper's regressor; the same samples give the same trees."""
     from sklearn.ensemble import HistGradientBoostingRegressor  # costs a second to import
 
-    return HistGradientBoostingRegressor(
+    regressor = HistGradientBoostingRegressor(
         loss="squared_error",
         learning_rate=0.1,
         max_iter=200,
@@ -168,7 +168,14 @@ def _boosted(features: NDArray[np.float64], signal: NDArray[np.float64]) -> Any:
         max_bins=255,
         early_stopping=False,
         random_state=0,
-    ).fit(features, signal)
+    )
+    with threadpool_limits(1, "openmp"):  # these fits are small: threads would wait, not work
+        return regressor.fit(features, signal)
+
+
+def _predicted(regressor: Any, features: NDArray[np.float64]) -> NDArray[np.float64]:
+    with threadpool_limits(1, "openmp"):
+        return np.asarray(regressor.predict(features), dtype=np.float64)
 
 
 def _variation(signal: NDArray[np.float64]) -> float:

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from halo_calibration.base import choose_base
+from halo_calibration.base import choose_base, pilot_path, read_base, write_base
 from halo_calibration.guided import Guided
 from halo_calibration.observe import Look
+from halo_calibration.pilot import merged, pilot_rounds, pilot_samples
 from halo_calibration.script import read_script
 from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
@@ -118,6 +119,31 @@ def _by_script(
     profile = amend(folder, lambda _: made)
     for name, record in profile.steps.items():
         terminal.say(told(name, record))
+
+
+def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
+    """Let one pilot teach this camera's base model, beside those before; return its file."""
+    profile = load(profile_path(settings.profile)) if settings.profile else None
+    if profile is None or profile.touch is None:
+        raise UserError(
+            "calibrate pilot: name a profile of this place and pilot whose touch step is done: "
+            "halo calibrate touch --profile pilot1"
+        )
+    with ExitStack() as stack:
+        source = _source(settings, Wish())
+        stack.callback(source.close)
+        require_fit(profile, source.camera)
+        terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
+        setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
+        guided = Guided(setup, Session(source), terminal, _eyes(source, settings, stack))
+        observer = guided.observer(profile)
+        taken = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
+        samples = pilot_samples(profile.surface, taken)
+        path = pilot_path(source.camera.serial)
+        before = [read_base(path).relative] if path.is_file() else []
+        write_base(merged("pilots", source.camera.serial, [*before, samples]), path)
+        terminal.say(f"{path}: {len(samples)} samples added; later sweeps stand on them")
+    return path
 
 
 def missing(profile: Profile | None) -> list[str]:

@@ -114,9 +114,9 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "step",
         nargs="?",
-        choices=("background", "surface", "touch", "sweep"),
+        choices=("background", "surface", "touch", "sweep", "pilot"),
         metavar="STEP",
-        help="background, surface, touch or sweep; without one all that are missing",
+        help="background, surface, touch, sweep, or pilot; without one all that are missing",
     )
     verb.add_argument("--source", metavar="S", help="as for serve")
     verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
@@ -126,6 +126,8 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--press-g", type=float, metavar="G", help="what the kitchen scale shows")
     verb.add_argument("--hand", choices=("left", "right"), help="touch parameters for this hand")
     verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
+    verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
+    verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
     verb.set_defaults(run=_calibrate)
 
 
@@ -178,7 +180,7 @@ def _doctor(options: argparse.Namespace) -> int:
 
 def _calibrate(options: argparse.Namespace) -> int:
     from halo_calibration.touch import Stated
-    from halo_service.app.calibrate import Wish, calibrate
+    from halo_service.app.calibrate import Wish, calibrate, pilot
     from halo_service.app.config import load
     from halo_service.values import Side
 
@@ -186,8 +188,12 @@ def _calibrate(options: argparse.Namespace) -> int:
     source = replace(settings.source, name=options.source or settings.source.name)
     stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
     side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    if options.step == "pilot":
+        pilot(settings, options.rounds, options.round_s)
+        return 0
     calibrate(
-        replace(settings, profile=options.profile or settings.profile, source=source),
+        settings,
         Wish(options.step, options.script, stated, side, options.base),
     )
     return 0

@@ -33,12 +33,15 @@ DATE = "1970-01-01T00:00:00Z"
 """It is made anew at every start, so it has no date."""
 
 
-def virtual_profile(room: Room, settings: Settings) -> Profile:
-    """Calibrate on the virtual room. Raises `UserError` when its states cannot be told apart."""
+def virtual_profile(room: Room, settings: Settings, base: str = "auto") -> Profile:
+    """Calibrate on the virtual room; `base` as for `choose_base`.
+
+    Raises `UserError` when its states cannot be told apart.
+    """
     user = VirtualUser(room)
     session = Session(user)
-    base = choose_base("auto", user.camera.serial)
-    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED, base)
+    known = choose_base(base, user.camera.serial)
+    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED, known)
     try:
         with ExitStack() as stack:
             eyes = Eyes(user.camera, None, settings.tracking)
@@ -53,9 +56,9 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
             f"the virtual room of seed {room.seed} on {room.material} cannot be calibrated: "
             f"{refused}; choose another seed or material"
         ) from refused
-    if base is not None:
+    if known is not None:
         record = StepRecord(DATE, "fair", {}, "the base model alone, no sweep")
-        profile = base_change(base, record)(profile)
+        profile = base_change(known, record)(profile)
     return profile
 
 

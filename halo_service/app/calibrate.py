@@ -20,7 +20,7 @@ from halo_calibration.steps import STEPS, Change, Setup, require, surface_change
 from halo_calibration.touch import Stated
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
-from halo_service.app.sources import open_source
+from halo_service.app.sources import decide, open_source
 from halo_service.app.terminal import Terminal, told
 from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.errors import UserError
@@ -84,6 +84,8 @@ def _guided(
         terminal.say(f"{folder} is complete; name a step to do it again, e.g. halo calibrate touch")
         return
     terminal.say(f"Calibrating {folder}: {', '.join(todo)}.")
+    if isinstance(source, VirtualUser):
+        terminal.say("There is no camera, so a virtual user follows the prompts.")
     for name in todo:
         change = _one(name, guided, setup, profile)
         profile = amend(folder, change)
@@ -166,7 +168,7 @@ def _setup(settings: Settings, wish: Wish, folder: Path, source: Source) -> Setu
 
 
 def _source(settings: Settings, wish: Wish) -> Source:
-    name = settings.source.name
+    name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.naming import wish as virtual
 
@@ -176,7 +178,7 @@ def _source(settings: Settings, wish: Wish) -> Source:
             "calibrate: nobody in a recording follows the prompts; say what happens when with "
             "--script FILE"
         )
-    fast = replace(settings.source, fast=name.startswith("recording:"))
+    fast = replace(settings.source, name=name, fast=name.startswith("recording:"))
     return open_source(fast)[0]
 
 

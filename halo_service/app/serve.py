@@ -69,8 +69,8 @@ def profile_for(source: Source, settings: Settings) -> Profile | None:
         assert isinstance(source, VirtualKinect)  # nothing else calls itself virtual
         return virtual_profile(source.room, settings)
     log.warning(
-        "profile: none, so frames carry no pointers until this place is calibrated "
-        "(--profile says which calibration to use)"
+        "profile: none, so frames carry no pointers until this place is calibrated: "
+        "run 'halo calibrate --profile desk', then start with --profile desk"
     )
     return None
 

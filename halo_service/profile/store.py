@@ -80,9 +80,10 @@ def load(folder: Path) -> Profile:
     """Read a profile. Raises `UserError` where there is none, or none that can be read."""
     path = folder / TEXT
     if not path.is_file():
+        name = folder.name if folder.parent == profiles_path() else folder
         raise UserError(
             f"there is no profile at {folder}; make one with "
-            f"'halo calibrate --profile {folder.name}', or give --profile the folder that holds "
+            f"'halo calibrate --profile {name}', or give --profile the folder that holds "
             f"its {TEXT}"
         )
     try:

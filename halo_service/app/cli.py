@@ -16,6 +16,7 @@ EPILOG = """\
 examples:
   halo serve                                a Kinect if one is plugged in, else the virtual one
   halo serve --source recording:take.mkv    a recording, at its own pace
+  halo calibrate --profile desk             teach the service your table and your finger
   halo monitor                              what a running service sends, in the terminal
   halo replay take.mkv --profile desk --jsonl take.jsonl
 """
@@ -69,6 +70,14 @@ def _parser() -> argparse.ArgumentParser:
         verbs.add_parser("simulate", parents=[debug], help="draw a take of the virtual Kinect")
     )
     _record_options(verbs.add_parser("record", parents=[common], help="record any source"))
+    calibration = verbs.add_parser(
+        "calibrate", parents=[common], help="teach the service a place and a finger"
+    )
+    _calibrate_options(calibration)
+    _profile_options(verbs.add_parser("profile", help="list, show, copy, export, import profiles"))
+    doctor = verbs.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
+    doctor.add_argument("--source", metavar="S", help="as for serve")
+    doctor.set_defaults(run=_doctor)
     verbs.add_parser("monitor", help="show what a service sends", add_help=False)
     return parser
 
@@ -161,6 +170,95 @@ def _record(options: argparse.Namespace) -> int:
     settings = replace(settings, name=options.source or settings.name)
     count = record(options.out, settings, options.seconds, not options.no_colour)
     print(f"halo: {count} frames in {options.out}", file=sys.stderr)
+    return 0
+
+
+def _calibrate_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "step",
+        nargs="?",
+        choices=("background", "surface", "touch", "sweep", "pilot"),
+        metavar="STEP",
+        help="background, surface, touch, sweep, or pilot; without one all that are missing",
+    )
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
+    verb.add_argument("--hover-mm", type=float, metavar="MM", help="height of the hover spacer")
+    verb.add_argument("--subtle-mm", type=float, metavar="MM", help="height of the subtle spacer")
+    verb.add_argument("--touch-g", type=float, metavar="G", help="force of the relaxed touch")
+    verb.add_argument("--press-g", type=float, metavar="G", help="what the kitchen scale shows")
+    verb.add_argument("--hand", choices=("left", "right"), help="touch parameters for this hand")
+    verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
+    verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
+    verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
+    verb.set_defaults(run=_calibrate)
+
+
+def _profile_options(verb: argparse.ArgumentParser) -> None:
+    verb.set_defaults(run=_profile, debug=False)
+    acts = verb.add_subparsers(dest="act", required=True, metavar="ACT")
+    acts.add_parser("list", help="those in your data folder")
+    acts.add_parser("show", help="one in words").add_argument("name")
+    copy = acts.add_parser("copy", help="one under another name")
+    copy.add_argument("name")
+    copy.add_argument("to")
+    export = acts.add_parser("export", help="one into a file")
+    export.add_argument("name")
+    export.add_argument("out", type=Path)
+    taken = acts.add_parser("import", help="one out of such a file")
+    taken.add_argument("file", type=Path)
+    taken.add_argument("--name", help="instead of its own")
+
+
+def _profile(options: argparse.Namespace) -> int:
+    from halo_service.app import profiles
+
+    if options.act == "list":
+        print("\n".join(profiles.list_profiles()))
+    elif options.act == "show":
+        print("\n".join(profiles.show(options.name)))
+    elif options.act == "copy":
+        print(profiles.copy(options.name, options.to))
+    elif options.act == "export":
+        profiles.export(options.name, options.out)
+        print(options.out)
+    else:
+        print(profiles.import_profile(options.file, options.name))
+    return 0
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    """Exit code 0: nothing is missing; 1: something is."""
+    from halo_service.app.config import load
+    from halo_service.app.doctor import examine, told
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    findings = examine(
+        replace(settings, profile=options.profile or settings.profile, source=source)
+    )
+    print("\n".join(told(finding) for finding in findings))
+    return int(not all(finding.good for finding in findings))
+
+
+def _calibrate(options: argparse.Namespace) -> int:
+    from halo_calibration.touch import Stated
+    from halo_service.app.calibrate import Wish, calibrate, pilot
+    from halo_service.app.config import load
+    from halo_service.values import Side
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
+    side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    if options.step == "pilot":
+        pilot(settings, options.rounds, options.round_s)
+        return 0
+    calibrate(
+        settings,
+        Wish(options.step, options.script, stated, side, options.base),
+    )
     return 0
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
+from halo_service.app.keeper import Keeper
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlPort, Told
 from halo_service.sensing import State
@@ -22,11 +23,13 @@ REMEMBERED = 64
 class Orders:
     """Takes what has come since the last frame, and obeys."""
 
-    def __init__(self, control: ControlPort) -> None:
+    def __init__(self, control: ControlPort, keeper: Keeper) -> None:
         self._control = control
+        self._keeper = keeper
         self._complained: set[str] = set()
         self._rows: dict[str, Callable[[Told, State, Source | None], State]] = {
             "/halo/1/sim/finger": _play_finger,
+            "/halo/1/control/background": self._retake,
         }
 
     def obey(self, state: State, source: Source | None) -> State:
@@ -39,6 +42,12 @@ class Orders:
                 state = row(told, state, source)
             except UserError as error:
                 self._complain(told, str(error))
+        return self._keeper.refresh(state)
+
+    def _retake(self, told: Told, state: State, source: Source | None) -> State:
+        """Take the background anew; the scene's revision tells when it is there."""
+        del told, source
+        self._keeper.retake()
         return state
 
     def _complain(self, told: Told, why: str) -> None:

@@ -12,6 +12,7 @@ from types import FrameType
 import halo_protocol as wire
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
+from halo_service.app.keeper import Keeper
 from halo_service.app.orders import Orders
 from halo_service.app.publisher import Publisher
 from halo_service.app.sources import open_source
@@ -45,8 +46,11 @@ def serve(settings: Settings) -> None:
         tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
         stack.callback(tracker.close)
         state = start(profile, settings.sensing)
-        orders = Orders(control)
-        loop = LiveLoop(source, reopen, tracker, state, publisher, orders.obey)
+        folder = profile_path(settings.profile) if settings.profile else None
+        keeper = Keeper(folder, source.camera, profile)
+        stack.callback(keeper.close)
+        orders = Orders(control, keeper)
+        loop = LiveLoop(source, reopen, tracker, state, publisher, orders.obey, keeper.watch)
         _stop_on_signals(loop)
         _greet(settings, source, profile, node)
         loop.run()
@@ -65,8 +69,8 @@ def profile_for(source: Source, settings: Settings) -> Profile | None:
         assert isinstance(source, VirtualKinect)  # nothing else calls itself virtual
         return virtual_profile(source.room, settings)
     log.warning(
-        "profile: none, so frames carry no pointers until this place is calibrated "
-        "(--profile says which calibration to use)"
+        "profile: none, so frames carry no pointers until this place is calibrated: "
+        "run 'halo calibrate --profile desk', then start with --profile desk"
     )
     return None
 

@@ -22,7 +22,7 @@ def open_source(settings: SourceSettings) -> tuple[Source, Callable[[], Source]]
     unplugged in the evening is waited for, and never replaced by a virtual one.
     Raises `UserError` where the source is unknown or not there.
     """
-    name = _decide() if settings.name == "auto" else settings.name
+    name = decide() if settings.name == "auto" else settings.name
     kind, _, rest = name.partition(":")
     if kind != "recording" and (settings.loop or settings.fast):
         raise UserError("--loop and --fast go with --source recording:FILE; only that has an end")
@@ -30,7 +30,8 @@ def open_source(settings: SourceSettings) -> tuple[Source, Callable[[], Source]]
     return opener(), opener
 
 
-def _decide() -> str:
+def decide() -> str:
+    """Say, loudly, what `auto` means today."""
     from halo_service.sources.azure_kinect import connected
 
     cameras = connected()

@@ -1,102 +1,73 @@
 """The virtual Kinect's own small profile, so that it runs before any calibration exists.
 
-It is measured as a user would do it: the empty room, then a finger held in the four states, seen
-by the same tracker and the same stages as later. The finger's true place is not looked at. Only
-a live virtual source gets one; a recording never does.
+It is measured as a user would do it, by the calibration's own steps: the empty room, then a finger
+held in the four states, seen by the same tracker and the same stages as later. The finger's true
+place is not looked at. Only a live virtual source gets one; a recording never does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from contextlib import ExitStack
 
+from halo_calibration import steps
+from halo_calibration.base import choose_base
+from halo_calibration.errors import Refused
+from halo_calibration.guided import CUES
+from halo_calibration.observe import Observation, Observer
+from halo_calibration.session import Session
+from halo_calibration.steps import Setup, base_change
+from halo_calibration.touch import STATES, Held
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
+from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.errors import UserError
-from halo_service.profile import Profile
-from halo_service.profile.fit import (
-    FINGER_THICKNESS_MM,
-    WANTED_FRAMES,
-    fit_background,
-    fit_states,
-)
-from halo_service.runtime.beside import Tracker
-from halo_service.sensing.background import excess_depth
-from halo_service.sensing.fingertips import locate, sightings
-from halo_service.sensing.revealer import reveal
-from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.step import measure
-from halo_service.values import Fingertip, Signal
-from halo_service.virtual.hand import FingerPose, PosedHand, pointing, posed
+from halo_service.profile import Profile, StepRecord
 from halo_service.virtual.room import Room
-from halo_service.virtual.sensor import Sensor
 
-FRAME_US = 33_333
-HELD_FRAMES = 15
-"""Frames a state is held: half a second."""
-PITCH_DEG = 45.0
-"""The paper's wedge (section 4.3.5)."""
-HOVER_MM, SUBTLE_MM = 10.0, 1.0
-TOUCH_G, PRESSURE_G = 25.0, 200.0
-"""The held states as the paper describes them; here they are true, for the room is told so."""
+BACKGROUND_S = 2.0
+SETTLE_S = 1.5
+"""The virtual user has taken a state by then."""
+HELD_S = 0.5
+"""A quarter of a user's time: the virtual finger holds still."""
+DATE = "1970-01-01T00:00:00Z"
+"""It is made anew at every start, so it has no date."""
 
 
-def virtual_profile(room: Room, settings: Settings) -> Profile:
-    """Calibrate on the virtual room. Raises `UserError` when its states cannot be told apart."""
-    sensor = Sensor(room, colour_times=2)
-    clock = iter(range(0, 10**9, FRAME_US))
-    background = fit_background([sensor.frame(next(clock)).depth for _ in range(WANTED_FRAMES)])
-    surface = sensor.surface
-    empty = Profile("virtual", sensor.camera, surface, background, None, 1)
-    eyes = Eyes(sensor.camera, empty, settings.tracking)
-    centre = (surface.width_mm / 2, surface.height_mm / 2)
-    held: dict[str, list[Signal]] = {}
-    tops_mm: list[float] = []
+def virtual_profile(room: Room, settings: Settings, base: str = "auto") -> Profile:
+    """Calibrate on the virtual room; `base` as for `choose_base`.
+
+    Raises `UserError` when its states cannot be told apart.
+    """
+    user = VirtualUser(room)
+    session = Session(user)
+    known = choose_base(base, user.camera.serial)
+    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED, known)
     try:
-        for state, height_mm, force_g in (
-            ("hover", HOVER_MM, 0.0),
-            ("subtle", SUBTLE_MM, 0.0),
-            ("touch", 0.0, TOUCH_G),
-            ("pressure", 0.0, PRESSURE_G),
-        ):
-            aim = FingerPose(*centre, height_mm, force_g, PITCH_DEG, 0.0)
-            hand = posed(room.user, pointing(room.user, room.dominant, aim, curl=1.0))
-            seen = list(_seen(sensor, hand, clock, eyes, empty, settings.sensing))
-            held[state] = [signal for _, signal in seen]
-            if state == "touch":
-                tops_mm = [tip.top_mm for tip, _ in seen]
-    finally:
-        eyes.close()
-    try:
-        states = fit_states(
-            held,
-            tops_mm,
-            hover_mm=HOVER_MM,
-            subtle_mm=SUBTLE_MM,
-            touch_g=TOUCH_G,
-            pressure_g=PRESSURE_G,
-        )
-    except ValueError as error:
+        with ExitStack() as stack:
+            eyes = Eyes(user.camera, None, settings.tracking)
+            stack.callback(eyes.close)
+            empty = list(session.lasting(BACKGROUND_S, "background"))
+            profile = steps.background_change(setup, empty, eyes.look)(None)
+            observer = Observer(profile, eyes.look, settings.sensing)
+            helds = {state: _held(state, user, session, observer) for state in STATES}
+            profile = steps.touch_change(setup, helds)(profile)
+    except Refused as refused:
         raise UserError(
             f"the virtual room of seed {room.seed} on {room.material} cannot be calibrated: "
-            f"{error}; choose another seed or material"
-        ) from error
-    return replace(empty, touch=states)
+            f"{refused}; choose another seed or material"
+        ) from refused
+    if known is not None:
+        record = StepRecord(DATE, "fair", {}, "the base model alone, no sweep")
+        profile = base_change(known, record)(profile)
+    return profile
 
 
-def _seen(
-    sensor: Sensor,
-    hand: PosedHand,
-    clock: Iterator[int],
-    tracker: Tracker,
-    profile: Profile,
-    settings: SensingSettings,
-) -> Iterator[tuple[Fingertip, Signal]]:
-    """Hold a hand still for a while and yield what the sensing's stages make of it."""
-    for _ in range(HELD_FRAMES):
-        frame = sensor.frame(next(clock), [hand])
-        revealed = reveal(excess_depth(frame.depth, profile.background), settings)
-        for sighting in sightings(tracker.look(frame)):
-            still = (0.0, 0.0)
-            tip = locate(sighting, still, revealed, frame.depth, profile, FINGER_THICKNESS_MM)
-            yield tip, measure(revealed, tip)
+def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> Held:
+    user.obey(CUES[state])
+    user.skip(SETTLE_S)
+    frames = session.lasting(HELD_S, state)
+    return steps.hold(state, frames, session.wanted(HELD_S), observer, _nobody)
+
+
+def _nobody(seen: Observation | None) -> None:
+    """Nobody watches."""

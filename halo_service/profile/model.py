@@ -1,11 +1,12 @@
 """A profile: the empty surface, where it lies, and how a finger's halo reads on it.
 
-Rule: frozen values. `store` keeps them on disk, `fit` makes them from measurements.
+Rule: frozen values. `store` keeps them on disk; the calibration makes them from measurements.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -13,7 +14,13 @@ from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
+from halo_service.values import Side
 
+PAPER_THRESHOLD_MM = 8.0
+"""Excess depth from which a pixel is halo, where nothing better is known (paper 4.3.1)."""
+
+Floats = NDArray[np.float32]
+Quality = Literal["good", "fair"]
 Calibrated = Literal["none", "partial", "complete"]
 
 
@@ -34,11 +41,21 @@ class HeldState:
     """One of the four states the user held still."""
 
     signal: float
-    """Median halo signal while it was held, mm px."""
+    """Median halo signal while it was held, corrected to the calibration's place, mm px."""
     height_mm: float
-    """Height of the pad as stated; 0 in contact."""
+    """Height of the pad; 0 in contact."""
     force_g: float
-    """Force as stated; 0 in the air, -1 in contact when unknown."""
+    """0 in the air, -1 in contact when unknown."""
+    stated: bool = False
+    """Whether height and force were given (by spacers, by a kitchen scale); else assumed."""
+    raw: float = 0.0
+    """The signal before correction, mm px."""
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+    """Where it was held, on the surface."""
+    pitch_deg: float = 45.0
+    yaw_deg: float = 0.0
+    """How the finger pointed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +73,40 @@ class TouchStates:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Correction:
+    """How strong a touch's halo is over place and angle, relative to where the states were held.
+
+    A grid of the regressor's predictions (paper 4.3.4), so that sensing interpolates in
+    microseconds and needs no regressor; the samples are kept, so that it can be made anew.
+    """
+
+    x_mm: Floats
+    y_mm: Floats
+    pitch_deg: Floats
+    yaw_deg: Floats
+    """The grid's axes, each evenly spaced and rising."""
+    strength: Floats
+    """(x, y, pitch, yaw) expected signal over that at the calibration's place and angle."""
+    samples: Floats
+    """(N, 5) what the user swept: x and y in mm, pitch and yaw in degrees, raw signal in mm px."""
+    base: str
+    """Name of the base model it stands on; empty: the user's samples alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepRecord:
+    """How one step of the calibration went."""
+
+    date: str
+    """When its frames were taken, ISO 8601 in UTC."""
+    quality: Quality
+    figures: Mapping[str, float]
+    """What was measured, its error among it; the names bear the units."""
+    note: str = ""
+    """What a person should know of it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Profile:
     """One place and user."""
 
@@ -65,11 +116,23 @@ class Profile:
     surface: Surface
     background: Background
     touch: TouchStates | None
-    """None before the touch step was done."""
+    """For all fingers, unless `by_hand` knows better; None before the touch step was done."""
     revision: int
     """Grows with every change."""
+    by_hand: Mapping[Side, TouchStates] = field(default_factory=dict)
+    """Hands with states of their own."""
+    correction: Correction | None = None
+    """None before the sweep."""
+    halo_threshold_mm: float = PAPER_THRESHOLD_MM
+    """Excess depth from which a pixel is halo here."""
+    steps: Mapping[str, StepRecord] = field(default_factory=dict)
+    """How each step went, by its name."""
 
     @property
     def calibrated(self) -> Calibrated:
         """`complete` when touches can be read with it."""
         return "partial" if self.touch is None else "complete"
+
+    def states(self, side: Side) -> TouchStates | None:
+        """Return the four states that hold for a hand."""
+        return self.by_hand.get(side, self.touch)

@@ -1,70 +1,103 @@
 """A profile on disk: a folder that a person can read and diff.
 
-`profile.json` says everything in text and names the array file it belongs to; the array
-file is written first and under a new name, then `profile.json` is replaced in one move.
-So whoever reads it, at whatever moment, finds the old profile or the new one.
+`profile.json` says everything in text and names the array files it belongs to; these are written
+first and under new names, then `profile.json` is replaced in one move. So whoever reads it, at
+whatever moment, finds the old profile or the new one. Writers take turns by a lock, which the
+system takes back from one that was killed.
 """
 
 from __future__ import annotations
 
-import hashlib
-import io
 import json
 import os
 import zipfile
-from dataclasses import asdict
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from platformdirs import user_data_path
 
 from halo_service.errors import UserError
-from halo_service.geometry.camera import Camera, Lens
-from halo_service.geometry.surface import Surface
-from halo_service.profile.model import Background, HeldState, Profile, TouchStates
+from halo_service.geometry.camera import Camera
+from halo_service.profile.form import ARRAYS, FORMAT, array_files, from_json, to_json
+from halo_service.profile.lock import locked
+from halo_service.profile.model import Profile
 
-FORMAT = 1
-"""Version of the folder's layout; a newer one is refused."""
 TEXT = "profile.json"
+TRIES = 5
+"""A reader that meets a writer's cleaning-up reads anew; each time the text has to be newer."""
+
+
+def profiles_path() -> Path:
+    """Return the folder of the user's profiles."""
+    return user_data_path("halo-service", appauthor=False) / "profiles"
 
 
 def profile_path(name: str) -> Path:
     """Where a profile lives: a path if `name` has a separator, else in the user's data folder."""
     if "/" in name or os.sep in name:
         return Path(name).expanduser()
-    return user_data_path("halo-service", appauthor=False) / "profiles" / name
+    return profiles_path() / name
+
+
+def exists(folder: Path) -> bool:
+    """Say whether there is a profile in a folder, readable or not."""
+    return (folder / TEXT).is_file()
 
 
 def save(profile: Profile, folder: Path) -> None:
-    """Write a profile; a kill at any moment leaves the old or the new one."""
-    folder.mkdir(parents=True, exist_ok=True)
-    arrays = _pack(profile.background)
-    array_name = f"background-{hashlib.sha256(arrays).hexdigest()[:12]}.npz"
-    _replace(folder / array_name, arrays)
-    text = json.dumps(_to_json(profile, array_name), indent=2) + "\n"
-    _replace(folder / TEXT, text.encode())
-    for old in folder.glob("background-*.npz"):
-        if old.name != array_name:
-            old.unlink(missing_ok=True)
+    """Write a profile; a kill at any moment leaves the old or the new one.
+
+    Raises `UserError` where the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            _write(profile, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from error
+
+
+def amend(folder: Path, change: Callable[[Profile | None], Profile]) -> Profile:
+    """Change a profile while nobody else does; its revision grows. Returns what was saved.
+
+    `change`: the profile as it is (None: there is none yet) to what it shall be.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            before = load(folder) if exists(folder) else None
+            revision = before.revision + 1 if before else 1
+            after = replace(change(before), revision=revision)
+            _write(after, folder)
+    except OSError as error:
+        raise _unwritable(folder, error) from error
+    return after
 
 
 def load(folder: Path) -> Profile:
     """Read a profile. Raises `UserError` where there is none, or none that can be read."""
-    text = folder / TEXT
-    if not text.is_file():
+    path = folder / TEXT
+    if not path.is_file():
+        name = folder.name if folder.parent == profiles_path() else folder
         raise UserError(
-            f"there is no profile at {folder}; give --profile the folder that holds its {TEXT}"
+            f"there is no profile at {folder}; make one with "
+            f"'halo calibrate --profile {name}', or give --profile the folder that holds "
+            f"its {TEXT}"
         )
     try:
-        data = json.loads(text.read_text(encoding="utf-8"))
-        if data["format"] > FORMAT:
-            raise UserError(
-                f"the profile {folder} was written by a newer halo-service (format "
-                f"{data['format']}, this one reads {FORMAT}); update halo-service"
-            )
-        return _from_json(data, folder)
-    except (KeyError, TypeError, ValueError, OSError, zipfile.BadZipFile) as error:
+        text = path.read_bytes()
+        for _ in range(TRIES):
+            try:
+                return _read(text, folder)
+            except FileNotFoundError:
+                newer = path.read_bytes()
+                if newer == text:
+                    raise
+                text = newer
+        raise OSError("it changes all the time")
+    except (KeyError, TypeError, ValueError, AttributeError, OSError, zipfile.BadZipFile) as error:
         raise UserError(
             f"the profile {folder} cannot be read ({error}); calibrate anew or restore it"
         ) from error
@@ -73,29 +106,45 @@ def load(folder: Path) -> Profile:
 def require_fit(profile: Profile, camera: Camera) -> None:
     """Raise `UserError` when the profile belongs to another camera, mode or lens."""
     made = profile.camera
-    for what, ours, theirs, same in (
-        ("camera", camera.serial, made.serial, camera.serial == made.serial),
-        ("depth mode", camera.depth_mode, made.depth_mode, camera.depth_mode == made.depth_mode),
-        ("depth lens", camera.depth, made.depth, _same_lens(camera.depth, made.depth)),
+    for what, ours, theirs in (
+        ("camera", camera.serial, made.serial),
+        ("depth mode", camera.depth_mode, made.depth_mode),
+        ("depth lens", camera.depth, made.depth),
     ):
-        if not same:
+        if ours != theirs:
             raise UserError(
                 f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
                 f"choose the profile made with this camera, or calibrate it anew"
             )
 
 
-def _same_lens(a: Lens, b: Lens) -> bool:
-    """Compare to what a calibration file keeps of a lens; it is not read back to the last bit."""
-    return np.allclose(_numbers(a), _numbers(b), rtol=1e-6, atol=1e-9)
+def _read(text: bytes, folder: Path) -> Profile:
+    data: dict[str, Any] = json.loads(text)
+    if data["format"] > FORMAT:
+        raise UserError(
+            f"the profile {folder} was written by a newer halo-service (format "
+            f"{data['format']}, this one reads {FORMAT}); update halo-service"
+        )
+    return from_json(data, folder)
 
 
-def _numbers(lens: Lens) -> list[float]:
-    return [lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, *lens.distortion]
+def _write(profile: Profile, folder: Path) -> None:
+    files = array_files(profile)
+    for name, content in files.items():
+        if not (folder / name).is_file():  # its name tells its content
+            _replace(folder / name, content)
+    text = json.dumps(to_json(profile, list(files)), indent=2) + "\n"
+    _replace(folder / TEXT, text.encode())
+    for kind in ARRAYS:
+        for old in folder.glob(f"{kind}-*.npz"):
+            if old.name not in files:
+                old.unlink(missing_ok=True)
+    for left in folder.glob(".*.part"):  # by a writer that was killed: we hold the lock
+        left.unlink(missing_ok=True)
 
 
 def _replace(path: Path, content: bytes) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     with temporary.open("wb") as file:
         file.write(content)
         file.flush()
@@ -103,65 +152,8 @@ def _replace(path: Path, content: bytes) -> None:
     temporary.replace(path)
 
 
-def _pack(background: Background) -> bytes:
-    buffer = io.BytesIO()
-    np.savez_compressed(
-        buffer, mean_mm=background.mean_mm, noise_mm=background.noise_mm, valid=background.valid
+def _unwritable(folder: Path, error: OSError) -> UserError:
+    return UserError(
+        f"the profile {folder} cannot be written ({error.strerror or error}); choose another "
+        f"place with --profile, or free some space"
     )
-    return buffer.getvalue()
-
-
-def _to_json(profile: Profile, array_name: str) -> dict[str, Any]:
-    camera, surface = asdict(profile.camera), asdict(profile.surface)
-    camera["colour_from_depth"] = profile.camera.colour_from_depth.tolist()
-    surface["camera_from_surface"] = profile.surface.camera_from_surface.tolist()
-    return {
-        "format": FORMAT,
-        "name": profile.name,
-        "revision": profile.revision,
-        "camera": camera,
-        "surface": surface,
-        "background": array_name,
-        "touch": None if profile.touch is None else asdict(profile.touch),
-    }
-
-
-def _from_json(data: dict[str, Any], folder: Path) -> Profile:
-    camera = dict(data["camera"])
-    surface = dict(data["surface"])
-    touch = data["touch"]
-    return Profile(
-        name=str(data["name"]),
-        camera=Camera(
-            **{
-                **camera,
-                "depth": _lens(camera["depth"]),
-                "colour": None if camera["colour"] is None else _lens(camera["colour"]),
-                "colour_from_depth": np.array(camera["colour_from_depth"], dtype=np.float64),
-            }
-        ),
-        surface=Surface(
-            **{
-                **surface,
-                "camera_from_surface": np.array(surface["camera_from_surface"], dtype=np.float64),
-            }
-        ),
-        background=_unpack(folder / Path(data["background"]).name),
-        touch=None if touch is None else _touch(touch),
-        revision=int(data["revision"]),
-    )
-
-
-def _lens(data: dict[str, Any]) -> Lens:
-    return Lens(**{**data, "distortion": tuple(data["distortion"])})
-
-
-def _touch(data: dict[str, Any]) -> TouchStates:
-    states = {name: HeldState(**data[name]) for name in ("hover", "subtle", "touch", "pressure")}
-    return TouchStates(**{**data, **states})
-
-
-def _unpack(path: Path) -> Background:
-    with np.load(path, allow_pickle=False) as arrays:
-        mean, noise, valid = arrays["mean_mm"], arrays["noise_mm"], arrays["valid"]
-    return Background(mean.astype(np.float32), noise.astype(np.float32), valid.astype(np.bool_))

@@ -52,6 +52,10 @@ def _hear_nothing(state: State, source: Source | None) -> State:
     return state
 
 
+def _watch_nothing(frame: Frame) -> None:
+    """Nobody but the sensing looks at frames."""
+
+
 class LiveLoop:
     """Runs until it is stopped or its recording ends; closes the source that it was given."""
 
@@ -63,14 +67,17 @@ class LiveLoop:
         state: State,
         publisher: Publisher,
         obey: Obey = _hear_nothing,
+        watch: Callable[[Frame], None] = _watch_nothing,
     ) -> None:
-        """`reopen` opens the same source again after it was lost; `obey` takes clients' orders."""
+        """`reopen` opens the same source again after it was lost; `obey` takes clients' orders;
+        `watch` is shown each good frame after its packet has left."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
         self._state = state
         self._publisher = publisher
         self._obey = obey
+        self._watch = watch
         self._stopped = threading.Event()
         self._pulse = Pulse()
         self._last_us: int | None = None
@@ -131,6 +138,7 @@ class LiveLoop:
         self._last_s = time.monotonic()
         age_us = capture.time_us - tracked.time_us if tracked else None
         self._pulse.sent(received_s, self._last_s, age_us)
+        self._watch(capture)
 
     def _let_go(self) -> None:
         """Send an empty frame, so that nothing sticks on the other side."""

@@ -5,6 +5,6 @@ replays to the same bytes.
 """
 
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.step import DEFAULT_SURFACE, State, clear, start, step
+from halo_service.sensing.step import DEFAULT_SURFACE, State, adopt, clear, start, step
 
-__all__ = ["DEFAULT_SURFACE", "SensingSettings", "State", "clear", "start", "step"]
+__all__ = ["DEFAULT_SURFACE", "SensingSettings", "State", "adopt", "clear", "start", "step"]

@@ -17,6 +17,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
 from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.ridge import angles
 from halo_service.values import Depth, Finger, Fingertip, Hand, Side, Tracked
 
 Pixel = tuple[float, float]
@@ -33,8 +34,6 @@ LEAST_HAND_PX = 20
 """Fewer hand pixels in the window are noise."""
 PAD_REACH_PX = 1
 """The nail is read off the median of 3 x 3 pixels."""
-JOINT_REACH_PX, JOINT_SHARE = 4, 0.2
-"""The joint's landmark may lie beside the finger: its ridge is the nearer part of 9 x 9 pixels."""
 UNSEEN_CONFIDENCE = 0.4
 """Factor for a tip that the present frame does not show."""
 VALID_PITCH_DEG = (15.0, 75.0)
@@ -42,7 +41,7 @@ VALID_PITCH_DEG = (15.0, 75.0)
 STEEP_CONFIDENCE = 0.5
 """Factor for pitches outside of it."""
 TYPICAL_PITCH_DEG = 45.0
-"""Assumed where the joint's depth is unmeasured: the paper's wedge (paper 4.3.5)."""
+"""Assumed where the finger's depth is unmeasured: the paper's wedge (paper 4.3.5)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +95,8 @@ def locate(
     distal = (sighting.distal_px[0] + shift[0], sighting.distal_px[1] + shift[1])
 
     pad, top_mm = _pad(tip, direction, depth, camera, surface, thickness_mm)
-    joint = _on_surface(distal, depth, camera, surface, JOINT_REACH_PX, JOINT_SHARE)
-    pitch, yaw = _angles(pad, top_mm, joint, direction)
+    read = angles(depth, revealed.hand, tip, direction, camera, surface)
+    pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
     height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
     confidence = sighting.confidence * (1.0 if seen else UNSEEN_CONFIDENCE)
@@ -163,7 +162,7 @@ def _pad(
     distance_mm = float(surface.camera_from_surface[2, 3])
     back_px = PAD_BACK_MM * camera.depth.fx / max(distance_mm, 1.0)
     above = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
-    seen = _on_surface(above, depth, camera, surface, PAD_REACH_PX, 0.5)
+    seen = _on_surface(above, depth, camera, surface)
     if seen is not None:
         return (float(seen[0]), float(seen[1])), float(-seen[2])
     ray = camera.depth.rays(np.array([above]))[0]
@@ -175,38 +174,20 @@ def _pad(
 
 
 def _on_surface(
-    px: Pixel, depth: Depth, camera: Camera, surface: Surface, reach_px: int, share: float
+    px: Pixel, depth: Depth, camera: Camera, surface: Surface
 ) -> NDArray[np.float64] | None:
-    """Return what a pixel sees in the surface's frame, mm, or None where nothing was measured.
-
-    Its depth is the `share` quantile (0 nearest, 1 farthest) of the pixels within `reach_px`.
-    """
+    """Return what a pixel and those beside it see in the surface's frame, mm, or None."""
     column, row = round(px[0]), round(px[1])
     near = depth[
-        max(row - reach_px, 0) : max(row + reach_px + 1, 0),
-        max(column - reach_px, 0) : max(column + reach_px + 1, 0),
+        max(row - PAD_REACH_PX, 0) : max(row + PAD_REACH_PX + 1, 0),
+        max(column - PAD_REACH_PX, 0) : max(column + PAD_REACH_PX + 1, 0),
     ]
     measured = np.sort(near[near > 0])
     if measured.size == 0:
         return None
     ray = camera.depth.rays(np.array([px]))
-    depth_mm = float(measured[int(share * (measured.size - 1))])
+    depth_mm = float(measured[(measured.size - 1) // 2])
     return np.asarray(surface.from_camera(ray * depth_mm)[0])
-
-
-def _angles(
-    pad: tuple[float, float],
-    top_mm: float,
-    joint: NDArray[np.float64] | None,
-    direction: Pixel,
-) -> tuple[float, float]:
-    """Return pitch and yaw in degrees from the upper side's points at tip and joint."""
-    if joint is None or math.isnan(top_mm):
-        return TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1]))
-    across, forward = pad[0] - float(joint[0]), float(joint[1]) - pad[1]
-    rise = float(-joint[2]) - top_mm
-    pitch = math.degrees(math.atan2(rise, math.hypot(across, forward)))
-    return pitch, math.degrees(math.atan2(across, forward))
 
 
 def _pixel(point: NDArray[np.float64]) -> Pixel:

@@ -22,8 +22,13 @@ class Revealed:
     """(H, W) something stands above the surface here."""
 
 
-def reveal(excess_mm: NDArray[np.float32], settings: SensingSettings) -> Revealed:
-    """Tell halo and hand apart by thresholds on the excess depth (paper 4.3.1)."""
-    halo = excess_mm > settings.halo_threshold_mm
+def reveal(
+    excess_mm: NDArray[np.float32], settings: SensingSettings, measured_mm: float
+) -> Revealed:
+    """Tell halo and hand apart by thresholds on the excess depth (paper 4.3.1).
+
+    `measured_mm`: the threshold that the calibration found; the settings may say another.
+    """
+    halo = excess_mm > (settings.halo_threshold_mm or measured_mm)
     hand = excess_mm < -settings.hand_threshold_mm
     return Revealed(excess_mm, halo, hand)

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 class SensingSettings:
     """`[sensing]` in halo.toml."""
 
-    halo_threshold_mm: float = 8.0
-    """Excess depth from which a pixel is halo (paper 4.3.1; 5 to 10 by placement and material)."""
+    halo_threshold_mm: float = 0.0
+    """Excess depth from which a pixel is halo (the paper's is 8, 5 to 10 by placement and material:
+    4.3.1); 0: what the calibration measured on this surface."""
     hand_threshold_mm: float = 4.0
     """How much nearer than the background a pixel must be to be hand (chosen: above the noise)."""
     hover_range_mm: float = 100.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from halo_service.profile import Profile, TouchStates
+from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.debounce import debounce
@@ -51,11 +51,12 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
     excess_mm = excess_depth(frame.depth, profile.background, state.drift.offset_mm)
-    revealed = reveal(excess_mm, settings)
+    revealed = reveal(excess_mm, settings, profile.halo_threshold_mm)
     fingers: list[Memory] = []
     events: list[TouchEvent] = []
     for before in meet(state.fingers, sightings(tracked), state.next_id):
-        finger = follow_finger(before, frame, revealed, profile, profile.touch, settings)
+        states = profile.states(before.sighting.side) or profile.touch
+        finger = follow_finger(before, frame, revealed, profile, states, settings)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
@@ -79,7 +80,7 @@ def follow_finger(
         return None
     moved_px = moved_since(before.path, sighting.time_us, now_us)
     tip = locate(sighting, moved_px, revealed, frame.depth, profile, states.finger_thickness_mm)
-    signal = measure(revealed, tip)
+    signal = measure(revealed, tip, profile.correction)
     level = touch_level(signal.corrected, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
@@ -98,10 +99,16 @@ def follow_finger(
     )
 
 
-def measure(revealed: Revealed, tip: Fingertip) -> Signal:
+def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:
     """Read the halo around one fingertip."""
     raw = extract(revealed, tip)
-    return Signal(raw, correct(raw, tip), line_pixels(revealed, tip))
+    return Signal(raw, correct(raw, tip, correction), line_pixels(revealed, tip))
+
+
+def adopt(state: State, profile: Profile) -> State:
+    """Go on with another profile. Every finger begins anew in the air, so a touch owes its up."""
+    fingers = tuple(replace(finger, detector=None) for finger in state.fingers)
+    return replace(state, profile=profile, fingers=fingers, drift=Drift())
 
 
 def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:

@@ -57,6 +57,11 @@ _PIP = (
 )
 
 
+def model_path() -> Path:
+    """Return where our own bundle is kept, whether it is there yet or not."""
+    return user_cache_path("halo-service", appauthor=False) / _BUNDLE
+
+
 def hand_model(configured: Path | None) -> Path:
     """Give the path of a Hand Landmarker bundle: `configured`, or ours, fetched if need be.
 
@@ -65,7 +70,7 @@ def hand_model(configured: Path | None) -> Path:
     """
     if configured is not None:
         return _checked(configured)
-    path = user_cache_path("halo-service", appauthor=False) / _BUNDLE
+    path = model_path()
     if not _is_ours(path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -19,6 +19,10 @@ from halo_service.virtual.mesh import Floats, Ints
 Pixels = NDArray[np.float32]
 NEAR_MM = 50.0
 """What comes closer to the lens is not drawn."""
+WIDEST = 1.6
+"""Nor what lies farther off the axis than this times its depth: 58 degrees, where the corners of
+both lenses' images are at 50. A lens model holds no farther, and folds an arm that is out of view
+back into the image."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +50,8 @@ _NOTHING = Seen(np.empty(0, np.int64), np.empty((0, 3), np.int64), np.empty((0, 
 def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
     """See a closed mesh, (V, 3) in the camera's frame, through a lens; the nearest face wins."""
     px = lens.project(points).astype(np.float32)
-    faces = _towards(px, points[:, 2].astype(np.float32), faces)
+    in_front = np.hypot(points[:, 0], points[:, 1]) < WIDEST * points[:, 2]
+    faces = _towards(px, np.where(in_front, points[:, 2], 0.0).astype(np.float32), faces)
     face, row, first, last = _spans(lens, px, faces)
     count = last - first + 1
     span = np.repeat(np.arange(len(face)), count)

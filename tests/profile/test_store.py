@@ -51,7 +51,10 @@ def test_saving_again_leaves_one_text_and_one_array_file(profile: Profile, tmp_p
     save(profile, tmp_path)
     darker = replace(profile.background, mean_mm=profile.background.mean_mm + 1)
     save(replace(profile, background=darker, revision=4), tmp_path)
-    assert len(list(tmp_path.iterdir())) == 2
+    assert sorted(p.name[:10] for p in tmp_path.iterdir() if p.name != ".lock") == [
+        "background",
+        "profile.js",
+    ]
     assert load(tmp_path).revision == 4
 
 

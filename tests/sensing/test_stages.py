@@ -48,7 +48,7 @@ def test_excess_is_depth_less_background_and_nothing_where_nothing_was_measured(
     [(8.5, True, False), (8.0, False, False), (0.0, False, False), (-4.5, False, True)],
 )
 def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: bool) -> None:
-    revealed = reveal(np.full((1, 1), excess_mm, np.float32), SETTINGS)
+    revealed = reveal(np.full((1, 1), excess_mm, np.float32), SETTINGS, 8.0)
     assert (bool(revealed.halo[0, 0]), bool(revealed.hand[0, 0])) == (halo, hand)
 
 
@@ -58,14 +58,14 @@ def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: b
     ids=["inside", "top left corner", "bottom right corner", "left of it", "below it"],
 )
 def test_the_patch_is_cut_at_the_images_edge(x: float, y: float, pixels: int) -> None:
-    revealed = reveal(np.full((576, 640), 10.0, np.float32), SETTINGS)
+    revealed = reveal(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
     assert extract(revealed, tip_at(x, y)) == pytest.approx(10.0 * pixels)
 
 
 def test_pixels_under_the_threshold_are_not_summed() -> None:
     excess = np.full((576, 640), 7.9, np.float32)
     excess[288, 320] = 12.0
-    assert extract(reveal(excess, SETTINGS), tip_at(320, 288)) == pytest.approx(12.0)
+    assert extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288)) == pytest.approx(12.0)
 
 
 def test_interpolation_is_the_papers_equation() -> None:

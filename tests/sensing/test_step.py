@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from halo_service.profile import Profile
-from halo_service.sensing import SensingSettings, State, clear, start, step
+from halo_service.sensing import SensingSettings, State, adopt, clear, start, step
 from halo_service.values import Frame, Touch, TouchFrame, Tracked
 
 FRAME_US = 33_333
@@ -181,3 +182,16 @@ def test_the_same_frames_give_the_same_story(deep: Profile, draw: Draw, see: See
     once, _ = play(deep, draw, see, signals, late=1)
     again, _ = play(deep, draw, see, signals, late=1)
     assert once == again
+
+
+def test_a_new_profile_lets_a_touch_go_with_its_up(
+    profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]
+) -> None:
+    state = start(profile, SensingSettings())
+    kinds: list[str] = []
+    for n, signal in enumerate([0.0, 0.0, 2200.0, 2200.0, 2200.0, 2200.0, 2200.0]):
+        if n == 4:
+            state = adopt(state, replace(profile, revision=2))
+        told, state = step(state, draw(signal=signal, time_us=n * 33_333), see(time_us=n * 33_333))
+        kinds += [event.kind for event in told.events]
+    assert kinds == ["down", "up"]

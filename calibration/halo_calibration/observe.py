@@ -1,0 +1,80 @@
+"""What the sensing's own stages make of a finger in one frame, for the solvers to read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from halo_service.profile import Profile
+from halo_service.sensing.background import Drift, excess_depth, follow_drift
+from halo_service.sensing.correction import correct
+from halo_service.sensing.extraction import extract, line_pixels
+from halo_service.sensing.fingertips import locate, sightings
+from halo_service.sensing.revealer import reveal
+from halo_service.sensing.settings import SensingSettings
+from halo_service.values import Frame, Side, Tracked
+
+Look = Callable[[Frame], Tracked]
+"""The hand tracker: finds the hands in one frame."""
+
+THICKNESS_MM = 13.0
+"""Chosen: a fingertip from pad to nail, where none was measured."""
+STILL = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """One finger in one frame."""
+
+    time_us: int
+    side: Side
+    x_mm: float
+    y_mm: float
+    pitch_deg: float
+    yaw_deg: float
+    top_mm: float
+    """Height of the finger's upper side above the surface; nan where unmeasured."""
+    raw: float
+    """The halo's signal before correction, mm px."""
+    corrected: float
+    line_px: int
+
+
+class Observer:
+    """Looks at one frame after the other; keeps nothing but the device's drift."""
+
+    def __init__(
+        self, profile: Profile, look: Look, settings: SensingSettings, side: Side = Side.UNKNOWN
+    ) -> None:
+        """`profile` needs no touch states; `side`: the hand to look for, unknown for any."""
+        self._profile = profile
+        self._look = look
+        self._settings = settings
+        self._side = side
+        self._drift = Drift()
+
+    def see(self, frame: Frame) -> Observation | None:
+        """Return the surest stretched index finger, or None."""
+        profile = self._profile
+        excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
+        self._drift = follow_drift(self._drift, excess, frame.time_us)
+        revealed = reveal(excess, self._settings, profile.halo_threshold_mm)
+        seen = [
+            each for each in sightings(self._look(frame)) if self._side in (Side.UNKNOWN, each.side)
+        ]
+        if not seen:
+            return None
+        sighting = max(seen, key=lambda each: each.confidence)
+        tip = locate(sighting, STILL, revealed, frame.depth, profile, THICKNESS_MM)
+        raw = extract(revealed, tip)
+        return Observation(
+            frame.time_us,
+            sighting.side,
+            *tip.pad_mm,
+            tip.pitch_deg,
+            tip.yaw_deg,
+            tip.top_mm,
+            raw,
+            correct(raw, tip, profile.correction),
+            line_pixels(revealed, tip),
+        )

@@ -1,0 +1,204 @@
+"""The four held states: are they still, apart and in order? Pure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from halo_calibration.errors import NO_HALO, Refused
+from halo_calibration.observe import THICKNESS_MM, Observation
+from halo_service.profile import Correction, HeldState, TouchStates
+from halo_service.profile.model import Quality
+from halo_service.sensing.correction import strength
+
+STATES = ("hover", "subtle", "touch", "pressure")
+"""From the weakest halo to the strongest (paper 4.3.5)."""
+HOLD_S = 2.0
+"""How long each is held."""
+LEAST_CAME = 0.6
+"""Share of a state's frames that must arrive at all."""
+LEAST_SEEN = 0.5
+"""Share of the frames that came in which the finger must be seen."""
+STILL_MM = 5.0
+"""90 % of a held finger's positions lie this near to their middle: an arm sways by half a mm, and
+the fingertip is found to a mm or two."""
+NO_HALO_MM_PX = 60.0
+"""A press that reads less shows no halo: six pixels of the patch's 600 at 10 mm."""
+APART_SIGMAS = 3.0
+"""Two neighbouring states must differ by so many standard deviations of one frame's signal."""
+GOOD_SIGMAS = 6.0
+"""From here on they are told apart in every frame."""
+NOISE_FLOOR_MM_PX = 10.0
+"""No signal is steadier than a pixel that comes and goes at the patch's edge."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """Heights and forces of the held states, and whether somebody measured them.
+
+    Assumed, the heights are the paper's (4.3.5) and a relaxed touch is taken as 25 g; the force
+    of a medium press is then unknown.
+    """
+
+    hover_mm: float | None = None
+    subtle_mm: float | None = None
+    touch_g: float | None = None
+    pressure_g: float | None = None
+
+    def of(self, state: str) -> tuple[float, float, bool]:
+        """Return a state's height in mm, its force in grams, and whether they were given."""
+        given, height_mm, force_g = {
+            "hover": (self.hover_mm, self.hover_mm or 10.0, 0.0),
+            "subtle": (self.subtle_mm, self.subtle_mm or 1.0, 0.0),
+            "touch": (self.touch_g, 0.0, self.touch_g or 25.0),
+            "pressure": (self.pressure_g, 0.0, self.pressure_g or -1.0),
+        }[state]
+        return height_mm, force_g, given is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What was seen while one state was held."""
+
+    state: str
+    wanted: int
+    """Frames that the camera should have given in that time."""
+    came: int
+    """Frames that it gave."""
+    seen: tuple[Observation, ...]
+    """Frames in which the finger was found."""
+
+
+@dataclass(frozen=True, slots=True)
+class Middle:
+    """One state, reduced."""
+
+    signal: float
+    """Median of the raw signal, mm px."""
+    noise: float
+    """Its standard deviation, robust, mm px."""
+    spread_mm: float
+    """90 % of the positions lie this near to their middle."""
+
+
+def judge_held(held: Held) -> Middle:
+    """Reduce one held state; raises `Refused` where it was not held still or not seen."""
+    require_frames(held.state, held.wanted, held.came)
+    require_seen(held.state, held.came, len(held.seen))
+    where = np.array([(each.x_mm, each.y_mm) for each in held.seen])
+    off = np.hypot(*(where - np.median(where, axis=0)).T)
+    spread_mm = float(np.percentile(off, 90))
+    if spread_mm > STILL_MM:
+        raise Refused(
+            f"the finger moved by {spread_mm:.0f} mm during '{held.state}': rest the wrist, hold "
+            f"still for {HOLD_S:.0f} seconds, and do this state again"
+        )
+    raw = np.array([each.raw for each in held.seen])
+    median = float(np.median(raw))
+    noise = 1.4826 * float(np.median(np.abs(raw - median)))
+    return Middle(median, max(noise, NOISE_FLOOR_MM_PX), spread_mm)
+
+
+def require_frames(step: str, wanted: int, came: int) -> None:
+    """Raise `Refused` where the camera dropped too many frames."""
+    if came < LEAST_CAME * wanted:
+        raise Refused(
+            f"only {came} of {wanted} frames came during '{step}': the camera dropped the others; "
+            f"plug it into a USB 3 port of its own, close other programs, and do it again"
+        )
+
+
+def require_seen(step: str, came: int, seen: int) -> None:
+    """Raise `Refused` where the hand tracker found the finger too rarely."""
+    if seen < LEAST_SEEN * came:
+        raise Refused(
+            f"the finger was found in only {seen} of {came} frames during '{step}': stretch the "
+            f"index finger, curl the others, keep the whole hand in the camera's view, and do it "
+            f"again"
+        )
+
+
+def solve_touch(
+    helds: Mapping[str, Held], stated: Stated, correction: Correction | None
+) -> tuple[TouchStates, float, Quality]:
+    """Return the four states, how many standard deviations the nearest two are apart, quality.
+
+    Raises `Refused`: a state moved, two overlap or are swapped, or the surface shows no halo.
+    """
+    middles = {state: judge_held(helds[state]) for state in STATES}
+    if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
+        raise Refused(NO_HALO)
+    apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
+    tops = [each.top_mm for each in helds["touch"].seen if math.isfinite(each.top_mm)]
+    states = TouchStates(
+        **{state: _held_state(helds[state], middles[state], stated) for state in STATES},
+        line_px_at_hover=float(np.median([each.line_px for each in helds["hover"].seen])),
+        finger_thickness_mm=float(np.median(tops)) if tops else THICKNESS_MM,
+    )
+    quality: Quality = "good" if apart >= GOOD_SIGMAS else "fair"
+    return corrected(states, correction), apart, quality
+
+
+def corrected(states: TouchStates, correction: Correction | None) -> TouchStates:
+    """Read the states anew through a correction, as every later signal will be."""
+    return replace(
+        states,
+        hover=_through(states.hover, correction),
+        subtle=_through(states.subtle, correction),
+        touch=_through(states.touch, correction),
+        pressure=_through(states.pressure, correction),
+    )
+
+
+def _through(held: HeldState, correction: Correction | None) -> HeldState:
+    if correction is None:
+        return replace(held, signal=held.raw)
+    expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
+    return replace(held, signal=held.raw / expected)
+
+
+def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
+    height_mm, force_g, given = stated.of(held.state)
+    return HeldState(
+        signal=middle.signal,
+        height_mm=height_mm,
+        force_g=force_g,
+        stated=given,
+        raw=middle.signal,
+        x_mm=_median([each.x_mm for each in held.seen]),
+        y_mm=_median([each.y_mm for each in held.seen]),
+        pitch_deg=_median([each.pitch_deg for each in held.seen]),
+        yaw_deg=_median([each.yaw_deg for each in held.seen]),
+    )
+
+
+def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
+    """Return the distance of two neighbouring states in standard deviations."""
+    a, b = middles[low], middles[high]
+    noise = math.hypot(a.noise, b.noise) / math.sqrt(2.0)
+    sigmas = (b.signal - a.signal) / noise
+    told = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
+    if sigmas < -APART_SIGMAS:
+        raise Refused(
+            f"'{low}' shows a stronger halo than '{high}' {told}: were the two swapped? The halo "
+            f"grows from hover over subtle and touch to pressure; do these two again in that order"
+        )
+    if sigmas < APART_SIGMAS:
+        raise Refused(f"'{low}' and '{high}' overlap {told}: {_REMEDIES[high]}, and do both again")
+    return sigmas
+
+
+_REMEDIES = {
+    "subtle": "hover higher, where the halo just shows, then come as near as you can without "
+    "touching",
+    "touch": "keep clear of the surface in 'subtle', and lay the fingertip down in 'touch'",
+    "pressure": "let the finger rest in 'touch', and press down firmly in 'pressure'",
+}
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values))

@@ -1,0 +1,204 @@
+"""`halo calibrate`: from an unknown finger to one that the service knows."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from halo_calibration.base import choose_base, pilot_path, read_base, write_base
+from halo_calibration.guided import Guided
+from halo_calibration.observe import Look
+from halo_calibration.pilot import merged, pilot_rounds, pilot_samples
+from halo_calibration.script import read_script
+from halo_calibration.scripted import Scripted
+from halo_calibration.session import Session
+from halo_calibration.steps import STEPS, Change, Setup, require, surface_change
+from halo_calibration.touch import Stated
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes
+from halo_service.app.sources import decide, open_source
+from halo_service.app.terminal import Terminal, told
+from halo_service.app.virtual_user import STATED, VirtualUser
+from halo_service.errors import UserError
+from halo_service.profile import Profile
+from halo_service.profile.store import amend, exists, load, profile_path, require_fit
+from halo_service.sources import Source
+from halo_service.values import Side
+
+FOLLOWED_BY = {"background": ("surface",)}
+"""Steps that come of themselves with another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What the command line asks for."""
+
+    step: str | None = None
+    """One step, or None for all that are missing."""
+    script: Path | None = None
+    stated: Stated = Stated()  # noqa: RUF009 - frozen, so one default serves all
+    side: Side = Side.UNKNOWN
+    base: str = "auto"
+    """Base model: a file, `none`, or `auto` for the camera's own."""
+
+
+def calibrate(settings: Settings, wish: Wish) -> Path:
+    """Run one step or all that are missing; return the profile's folder."""
+    if not settings.profile:
+        raise UserError("calibrate: name the profile to make or go on with: --profile desk")
+    folder = profile_path(settings.profile)
+    with ExitStack() as stack:
+        source = _source(settings, wish)
+        stack.callback(source.close)
+        known = load(folder) if exists(folder) else None
+        if known is not None and wish.script is None:
+            require_fit(known, source.camera)
+        setup = _setup(settings, wish, folder, source)
+        look_with = _eyes(source, settings, stack)
+        if wish.script is not None:
+            _by_script(setup, source, look_with, wish.script, folder)
+        else:
+            _guided(setup, source, look_with, wish.step, folder)
+        left = missing(load(folder))
+        say = Terminal(None).say
+        say(f"Still missing: {', '.join(left)}." if left else _next(settings))
+    return folder
+
+
+def _guided(
+    setup: Setup,
+    source: Source,
+    look_with: Callable[[Profile | None], Look],
+    step: str | None,
+    folder: Path,
+) -> None:
+    terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
+    guided = Guided(setup, Session(source), terminal, look_with)
+    profile = load(folder) if exists(folder) else None
+    todo = [step] if step else missing(profile)
+    if not todo:
+        terminal.say(f"{folder} is complete; name a step to do it again, e.g. halo calibrate touch")
+        return
+    terminal.say(f"Calibrating {folder}: {', '.join(todo)}.")
+    if isinstance(source, VirtualUser):
+        terminal.say("There is no camera, so a virtual user follows the prompts.")
+    for name in todo:
+        change = _one(name, guided, setup, profile)
+        profile = amend(folder, change)
+        for each in (name, *FOLLOWED_BY.get(name, ())):
+            terminal.say(told(each, profile.steps[each]))
+
+
+def _one(name: str, guided: Guided, setup: Setup, profile: Profile | None) -> Change:
+    if name == "background":
+        return guided.background()
+    known = require(profile, name)
+    if name == "surface":
+        return surface_change(setup)
+    return guided.touch(known) if name == "touch" else guided.sweep(known)
+
+
+def _by_script(
+    setup: Setup,
+    source: Source,
+    look_with: Callable[[Profile | None], Look],
+    script: Path,
+    folder: Path,
+) -> None:
+    terminal = Terminal(None)
+    scripted = Scripted(setup, Session(source), look_with, lambda words: None)
+    lines = read_script(script)
+    named = {line.step for line in lines}
+    # What a script does not begin anew it builds on.
+    before = load(folder) if exists(folder) and "background" not in named else None
+    if before is not None:
+        require_fit(before, source.camera)
+    made = scripted.run(lines, before)
+    profile = amend(folder, lambda _: made)
+    for name, record in profile.steps.items():
+        terminal.say(told(name, record))
+
+
+def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
+    """Let one pilot teach this camera's base model, beside those before; return its file."""
+    profile = load(profile_path(settings.profile)) if settings.profile else None
+    if profile is None or profile.touch is None:
+        raise UserError(
+            "calibrate pilot: name a profile of this place and pilot whose touch step is done: "
+            "halo calibrate touch --profile pilot1"
+        )
+    with ExitStack() as stack:
+        source = _source(settings, Wish())
+        stack.callback(source.close)
+        require_fit(profile, source.camera)
+        terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
+        setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
+        guided = Guided(setup, Session(source), terminal, _eyes(source, settings, stack))
+        observer = guided.observer(profile)
+        taken = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
+        samples = pilot_samples(profile.surface, taken)
+        path = pilot_path(source.camera.serial)
+        before = [read_base(path).relative] if path.is_file() else []
+        write_base(merged("pilots", source.camera.serial, [*before, samples]), path)
+        terminal.say(f"{path}: {len(samples)} samples added; later sweeps stand on them")
+    return path
+
+
+def missing(profile: Profile | None) -> list[str]:
+    """Return the steps that a profile still needs, in order."""
+    done = set() if profile is None else set(profile.steps)
+    return [step for step in STEPS if step not in done and step != "surface"]
+
+
+def _setup(settings: Settings, wish: Wish, folder: Path, source: Source) -> Setup:
+    virtual = isinstance(source, VirtualUser)
+    return Setup(
+        name=folder.name,
+        camera=source.camera,
+        date=_date(settings.source.name),
+        settings=settings.sensing,
+        stated=STATED if virtual else wish.stated,
+        base=choose_base(wish.base, source.camera.serial),
+        side=wish.side,
+    )
+
+
+def _source(settings: Settings, wish: Wish) -> Source:
+    name = decide() if settings.source.name == "auto" else settings.source.name
+    if name == "sim" or name.startswith("sim:"):
+        from halo_service.virtual.naming import wish as virtual
+
+        return VirtualUser(virtual(name).room)
+    if name.startswith("recording:") and wish.script is None:
+        raise UserError(
+            "calibrate: nobody in a recording follows the prompts; say what happens when with "
+            "--script FILE"
+        )
+    fast = replace(settings.source, name=name, fast=name.startswith("recording:"))
+    return open_source(fast)[0]
+
+
+def _date(source: str) -> str:
+    """Return when the frames are taken: now, or when the recording was written."""
+    kind, _, rest = source.partition(":")
+    seconds = Path(rest).stat().st_mtime if kind == "recording" else time.time()
+    return datetime.fromtimestamp(int(seconds), UTC).isoformat().replace("+00:00", "Z")
+
+
+def _eyes(source: Source, settings: Settings, stack: ExitStack) -> Callable[[Profile | None], Look]:
+    def look_with(profile: Profile | None) -> Look:
+        eyes = Eyes(source.camera, profile, settings.tracking)
+        stack.callback(eyes.close)
+        return eyes.look
+
+    return look_with
+
+
+def _next(settings: Settings) -> str:
+    source = settings.source.name
+    shown = "" if source == "auto" or source.startswith("recording:") else f" --source {source}"
+    return f"Done. Use it with: halo serve{shown} --profile {settings.profile}"

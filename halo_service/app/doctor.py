@@ -1,0 +1,185 @@
+"""`halo doctor`: what is there, what is not, and what to do about it."""
+
+from __future__ import annotations
+
+import importlib.util
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from halo_calibration.base import VIRTUAL, pilot_path
+from halo_service.app.calibrate import missing
+from halo_service.app.config import Settings
+from halo_service.errors import UserError
+from halo_service.profile.store import load, profile_path, profiles_path
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that was looked at."""
+
+    what: str
+    good: bool
+    says: str
+    remedy: str = ""
+
+
+def examine(settings: Settings) -> list[Finding]:
+    """Look at everything; nothing is changed, fetched or opened for long."""
+    looks: tuple[Callable[[Settings], Finding], ...] = (
+        _packages,
+        _sdk,
+        _camera,
+        _model,
+        _profile,
+        _base,
+        _control,
+        _zenoh,
+    )
+    return [look(settings) for look in looks]
+
+
+def told(finding: Finding) -> str:
+    """Return a finding as one line."""
+    mark = "ok  " if finding.good else "MISS"
+    remedy = f"; {finding.remedy}" if finding.remedy and not finding.good else ""
+    return f"{mark} {finding.what}: {finding.says}{remedy}"
+
+
+def _packages(settings: Settings) -> Finding:
+    del settings
+    names = ("numpy", "cv2", "mediapipe", "sklearn", "av", "zenoh")
+    missing = [name for name in names if importlib.util.find_spec(name) is None]
+    if missing:
+        return Finding("packages", False, f"{', '.join(missing)} missing", "run 'uv sync'")
+    return Finding("packages", True, "all installed")
+
+
+def _sdk(settings: Settings) -> Finding:
+    del settings
+    if importlib.util.find_spec("pyk4a") is None:
+        return Finding(
+            "camera SDK",
+            False,
+            "the Azure Kinect's is not installed",
+            "it exists for Linux and Windows on x86-64; elsewhere use a recording or the virtual "
+            "Kinect",
+        )
+    return Finding("camera SDK", True, "installed")
+
+
+def _camera(settings: Settings) -> Finding:
+    from halo_service.sources.azure_kinect import connected
+
+    name = settings.source.name
+    if name.startswith(("sim", "recording:")):
+        return Finding("camera", True, f"not needed: the source is {name}")
+    count = connected()
+    if count == 0:
+        return Finding(
+            "camera",
+            False,
+            "no Azure Kinect is plugged in",
+            "plug it into a USB 3 port and its power supply; until then --source sim works",
+        )
+    return Finding("camera", True, f"{count} plugged in")
+
+
+def _model(settings: Settings) -> Finding:
+    from halo_service.tracking.model import model_path
+
+    path = Path(settings.tracking.model).expanduser() if settings.tracking.model else model_path()
+    if not path.is_file():
+        return Finding(
+            "hand model",
+            False,
+            f"{path} is not there",
+            "correct tracking.model"
+            if settings.tracking.model
+            else "the first 'halo serve' fetches it (35 MB), or: python -m "
+            "halo_service.tracking.model",
+        )
+    return Finding("hand model", True, str(path))
+
+
+def _profile(settings: Settings) -> Finding:
+    if not settings.profile:
+        return Finding(
+            "profile",
+            False,
+            f"none chosen; those there are in {profiles_path()}",
+            "make one with 'halo calibrate --profile desk', then say --profile desk",
+        )
+    try:
+        profile = load(profile_path(settings.profile))
+    except UserError as error:
+        return Finding("profile", False, str(error))
+    left = missing(profile)
+    if left:
+        return Finding(
+            "profile",
+            False,
+            f"'{profile.name}' lacks {', '.join(left)}",
+            f"run 'halo calibrate --profile {settings.profile}'",
+        )
+    fair = [name for name, record in profile.steps.items() if record.quality != "good"]
+    worth = f"; {', '.join(fair)} only fair" if fair else ""
+    return Finding("profile", True, f"'{profile.name}', revision {profile.revision}{worth}")
+
+
+def _base(settings: Settings) -> Finding:
+    serial = None
+    if settings.profile:
+        try:
+            serial = load(profile_path(settings.profile)).camera.serial
+        except UserError:
+            return Finding("base model", True, "asked for once there is a profile")
+    if serial is None:
+        return Finding("base model", True, "asked for once there is a profile")
+    if pilot_path(serial).is_file():
+        return Finding("base model", True, str(pilot_path(serial)))
+    if serial.startswith("VIRTUAL"):
+        return Finding("base model", VIRTUAL.is_file(), "the virtual sensor's own")
+    return Finding(
+        "base model",
+        False,
+        f"none for camera {serial}; pitches other than the wedge's are not corrected",
+        "make one with 'halo calibrate pilot'",
+    )
+
+
+def _control(settings: Settings) -> Finding:
+    where = f"{settings.control.host}:{settings.control.port}"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((settings.control.host, settings.control.port))
+        except OSError as error:
+            return Finding(
+                "control port",
+                False,
+                f"{where} is taken ({error.strerror})",
+                "a halo service may be running already; else choose another with --control-port",
+            )
+    return Finding("control port", True, f"{where} is free")
+
+
+def _zenoh(settings: Settings) -> Finding:
+    if not settings.zenoh.enabled:
+        return Finding("zenoh", True, "switched off")
+    for endpoint in settings.zenoh.connect:
+        protocol, _, address = endpoint.partition("/")
+        host, _, port = address.rpartition(":")
+        if protocol != "tcp" or not port.isdigit():
+            continue
+        try:
+            socket.create_connection((host.strip("[]"), int(port)), timeout=2.0).close()
+        except OSError as error:
+            return Finding(
+                "zenoh",
+                False,
+                f"{endpoint} does not answer ({error})",
+                "start the router there, or correct zenoh.connect",
+            )
+    reached = ", ".join(settings.zenoh.connect) or "no router configured, none needed"
+    return Finding("zenoh", True, reached)

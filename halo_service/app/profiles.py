@@ -1,0 +1,118 @@
+"""`halo profile`: what calibrations there are, and carrying them about."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from halo_service.errors import UserError
+from halo_service.profile import Profile
+from halo_service.profile.model import HeldState
+from halo_service.profile.parcel import pack, unpack
+from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
+
+NAME = re.compile(r"[\w-][\w .-]{0,63}")
+"""What a profile in the data folder may be called."""
+
+
+def list_profiles() -> list[str]:
+    """Return one line a profile in the user's data folder."""
+    folder = profiles_path()
+    found = sorted(path.parent for path in folder.glob(f"*/{TEXT}"))
+    return [_line(each) for each in found] or [
+        f"no profiles in {folder}; make one: halo calibrate --profile desk"
+    ]
+
+
+def show(name: str) -> list[str]:
+    """Return a profile in words."""
+    folder = profile_path(name)
+    profile = load(folder)
+    camera, surface = profile.camera, profile.surface
+    lines = [
+        f"{profile.name}: {profile.calibrated}, revision {profile.revision}, {folder}",
+        f"camera {camera.serial}, {camera.depth_mode}",
+        f"surface {surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm",
+        f"halo from {profile.halo_threshold_mm:g} mm on",
+    ]
+    for step, record in profile.steps.items():
+        figures = ", ".join(f"{key} {value:g}" for key, value in record.figures.items())
+        note = f" ({record.note})" if record.note else ""
+        lines.append(f"{step}: {record.quality}, {record.date}. {figures}{note}")
+    lines += _states(profile)
+    if profile.correction is not None:
+        base = profile.correction.base or "none"
+        lines.append(f"correction: {len(profile.correction.samples)} samples, base model {base}")
+    return lines
+
+
+def copy(name: str, to: str) -> Path:
+    """Copy a profile; never over another."""
+    profile, folder = load(profile_path(name)), _fresh(to)
+    save(_renamed(profile, folder), folder)
+    return folder
+
+
+def export(name: str, out: Path) -> None:
+    """Write a profile into one file."""
+    pack(profile_path(name), out)
+
+
+def import_profile(path: Path, name: str | None) -> Path:
+    """Take a profile out of a file; never over another."""
+    profile = unpack(path)
+    if name is None:
+        _check_name(profile.name)  # a stranger wrote it: it may say ../../anywhere
+    folder = _fresh(name or profile.name)
+    save(_renamed(profile, folder), folder)
+    return folder
+
+
+def _fresh(name: str) -> Path:
+    folder = profile_path(name)
+    if folder.parent == profiles_path():
+        _check_name(name)
+    if exists(folder):
+        raise UserError(f"there is a profile at {folder} already; choose another name")
+    return folder
+
+
+def _check_name(name: str) -> None:
+    if not NAME.fullmatch(name):
+        raise UserError(f"'{name[:60]}' is no name for a profile; use letters, digits, - and _")
+
+
+def _renamed(profile: Profile, folder: Path) -> Profile:
+    return replace(profile, name=folder.name)
+
+
+def _line(folder: Path) -> str:
+    try:
+        profile = load(folder)
+    except UserError as error:
+        return f"{folder.name}: {error}"
+    return f"{profile.name}: {profile.calibrated}, camera {profile.camera.serial}"
+
+
+def _states(profile: Profile) -> list[str]:
+    sets = {"all fingers": profile.touch} | {
+        f"{side.name.lower()} hand": states for side, states in profile.by_hand.items()
+    }
+    return [
+        f"{whose}: {name} {_state(getattr(states, name))}"
+        for whose, states in sets.items()
+        if states is not None
+        for name in ("hover", "subtle", "touch", "pressure")
+    ]
+
+
+def _state(held: HeldState) -> str:
+    known = "given" if held.stated else "assumed"
+    if held.height_mm > 0.0:
+        what = f"at {held.height_mm:g} mm ({known})"
+    elif held.force_g >= 0.0:
+        what = f"with {held.force_g:g} g ({known})"
+    else:
+        what = "with unknown force"
+    return f"{held.signal:.0f} mm px {what}"

@@ -1,0 +1,65 @@
+"""Makes the virtual sensor's base model: `python -m halo_service.app.virtual_base`.
+
+Three virtual pilots on three tables sweep at five angles, at ten frames a second; what the
+calibration's own steps make of it is kept as text beside them. It takes some minutes.
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import ExitStack
+
+from halo_calibration.base import VIRTUAL, write_base
+from halo_calibration.guided import Cue
+from halo_calibration.observe import Observer
+from halo_calibration.pilot import ANGLES_DEG, merged, pilot_samples, usable
+from halo_calibration.sweep import SWEEP_S, Samples, samples_of
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes
+from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user import VirtualUser
+from halo_service.virtual.camera import FPS, SERIAL
+from halo_service.virtual.naming import wish
+
+PILOTS = ("sim?seed=901&material=paper", "sim?seed=902&material=wood", "sim?seed=903&material=foam")
+"""Seeds that no test, scenario or bench uses."""
+TENTH_S = 0.1
+"""Between two frames that are looked at: neighbours in time teach the same."""
+SETTLE_S = 2.0
+
+
+def main() -> int:
+    """Make it anew; the same on every run."""
+    settings = Settings()
+    pilots = [_pilot(name, settings) for name in PILOTS]
+    base = merged("virtual", SERIAL, pilots)
+    write_base(base, VIRTUAL)
+    print(f"{VIRTUAL}: {len(base.relative)} samples", file=sys.stderr)
+    return 0
+
+
+def _pilot(name: str, settings: Settings) -> Samples:
+    room = wish(name).room
+    profile = virtual_profile(room, settings, base="none")
+    user = VirtualUser(room)
+    rounds: list[tuple[float, Samples]] = []
+    with ExitStack() as stack:
+        eyes = Eyes(user.camera, profile, settings.tracking)
+        stack.callback(eyes.close)
+        for angle in ANGLES_DEG:
+            observer = Observer(profile, eyes.look, settings.sensing)
+            user.obey(Cue("pilot", "", angle))
+            user.skip(SETTLE_S)
+            seen = []
+            for _ in range(round(SWEEP_S / TENTH_S)):
+                observation = observer.see(user.read(0.0))
+                user.skip(TENTH_S - 1.0 / FPS)
+                if observation is not None:
+                    seen.append(observation)
+            rounds.append((angle, usable(samples_of(seen), angle)))
+            print(f"{name} at {angle:g}: {len(rounds[-1][1])} samples", file=sys.stderr)
+    return pilot_samples(profile.surface, rounds)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,112 @@
+"""The finger's ridge: which way its last segment points, read off many pixels of this frame.
+
+The landmarks of tip and joint are pixels off, and two single depths tell a pitch badly. So the
+ridge, the part of the finger nearest to the camera, is followed back from the tip row by row,
+and lines through it in space give pitch and yaw.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.geometry.camera import Camera
+from halo_service.geometry.surface import Surface
+from halo_service.values import Depth
+
+Pixel = tuple[float, float]
+Floats = NDArray[np.float64]
+
+BACK = np.arange(0.0, 44.0)
+"""Rows, px behind the tip: a flat finger's last two segments at 0.5 m."""
+SIDE = np.arange(-9.0, 10.0)
+"""Columns, px beside the finger's line: half a finger more than a finger."""
+CREST_MM = 4.0
+"""What is this near to a row's nearest pixel is ridge: a wedge under the finger is not."""
+LEAST_PX = 3
+"""Fewer pixels make no ridge."""
+LEAST_ROWS = 4
+"""Fewer rows make no line."""
+SEGMENT_MM = (5.0, 22.0)
+"""The last segment, as the crow flies from the ridge's first point: nearer the tip is round and
+mixed with the surface, farther the next segment begins (fingertips are 16 to 20 mm long)."""
+FINGER_MM = (3.0, 45.0)
+"""The segments that share a yaw: a finger bends in one plane."""
+TAPER_DEG = 10.0
+"""The upper side is steeper than the axis: a fingertip is thinner than its joint, and its end is
+averaged with the surface (chosen: what the virtual sensor shows at pitches of 15 to 45 degrees)."""
+FAR = np.iinfo(np.uint16).max
+
+
+class Angles(NamedTuple):
+    """Of the last segment."""
+
+    pitch_deg: float
+    yaw_deg: float
+
+
+def angles(
+    depth: Depth,
+    hand: NDArray[np.bool_],
+    tip: Pixel,
+    direction: Pixel,
+    camera: Camera,
+    surface: Surface,
+) -> Angles | None:
+    """Return pitch and yaw, or None where too little of the finger is measured.
+
+    `hand`: (H, W) mask; `tip`: the silhouette's end, px; `direction`: unit vector towards it.
+    """
+    ridge = _ridge(depth, hand, tip, direction)
+    if ridge is None:
+        return None
+    px, depth_mm = ridge
+    points = surface.from_camera(camera.depth.rays(px) * depth_mm[:, None])
+    away_mm = np.sqrt(((points - points[0]) ** 2).sum(axis=1))
+    segment = points[(away_mm >= SEGMENT_MM[0]) & (away_mm <= SEGMENT_MM[1])]
+    finger = points[(away_mm >= FINGER_MM[0]) & (away_mm <= FINGER_MM[1])]
+    if len(segment) < LEAST_ROWS:
+        return None
+    across, forward = _along(finger[:, :2])
+    ahead = (segment[:, 0] * across) + (segment[:, 1] * forward)
+    run, fall = _along(np.column_stack([ahead, segment[:, 2]]))
+    pitch = math.degrees(math.atan2(fall, run)) - TAPER_DEG
+    return Angles(pitch, math.degrees(math.atan2(across, -forward)))
+
+
+def _ridge(
+    depth: Depth, hand: NDArray[np.bool_], tip: Pixel, direction: Pixel
+) -> tuple[Floats, Floats] | None:
+    """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
+    dx, dy = direction
+    x = np.rint(tip[0] - BACK[:, None] * dx - SIDE * dy).astype(np.intp)
+    y = np.rint(tip[1] - BACK[:, None] * dy + SIDE * dx).astype(np.intp)
+    height, width = depth.shape
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
+    seen = depth[y, x]
+    seen = np.where(inside & hand[y, x] & (seen > 0), seen, FAR).astype(np.float64)
+    crest = (seen <= seen.min(axis=1)[:, None] + CREST_MM) & (seen < FAR)
+    count = crest.sum(axis=1)
+    rows = count >= LEAST_PX
+    if np.count_nonzero(rows) < LEAST_ROWS:
+        return None
+    crest, count, back = crest[rows], count[rows], BACK[rows]
+    side = (crest @ SIDE) / count
+    depth_mm = np.where(crest, seen[rows], 0.0).sum(axis=1) / count
+    px = np.column_stack([tip[0] - back * dx - side * dy, tip[1] - back * dy + side * dx])
+    return px, depth_mm
+
+
+def _along(points: Floats) -> tuple[float, float]:
+    """Return the unit direction of a line through (N, 2) points, from the last to the first."""
+    centred = points - points.mean(axis=0)
+    (xx, xy), (_, yy) = (centred.T @ centred).tolist()
+    turn = 0.5 * math.atan2(2.0 * xy, xx - yy)
+    ux, uy = math.cos(turn), math.sin(turn)
+    toward = (points[0] - points[-1]).tolist()
+    sign = 1.0 if ux * toward[0] + uy * toward[1] >= 0.0 else -1.0
+    return sign * ux, sign * uy

@@ -1,0 +1,58 @@
+"""A camera with a lens that bends, and fingers that hold still."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from halo_calibration.observe import Observation
+from halo_calibration.touch import Held
+from halo_service.geometry.camera import Camera, Lens
+from halo_service.values import Side
+
+
+@pytest.fixture(scope="session")
+def lens_camera() -> Camera:
+    distortion = (0.5, -0.02, 1e-5, -7e-5, -0.003, 0.85, 0.09, -0.01)
+    lens = Lens(640, 576, 504.0, 504.0, 321.0, 330.0, distortion)
+    return Camera("A1", "NFOV_UNBINNED", 30, lens, None, np.eye(4))
+
+
+Hold = Callable[..., Held]
+
+
+@pytest.fixture(scope="session")
+def hold() -> Hold:
+    """A held state: `raw` mm px with some noise, all 60 frames, unless told otherwise."""
+
+    def held(
+        state: str,
+        raw: float,
+        *,
+        noise: float = 20.0,
+        came: int = 60,
+        seen: int | None = None,
+        moved_mm: float = 0.0,
+    ) -> Held:
+        rng = np.random.default_rng(len(state))
+        count = came if seen is None else seen
+        observations = tuple(
+            Observation(
+                n * 33_333,
+                Side.RIGHT,
+                150.0 + moved_mm * n / max(count, 1) + rng.normal(0.0, 0.5),
+                100.0 + rng.normal(0.0, 0.5),
+                45.0,
+                0.0,
+                14.0,
+                max(raw + rng.normal(0.0, noise), 0.0),
+                0.0,
+                5,
+            )
+            for n in range(count)
+        )
+        return Held(state, 60, came, observations)
+
+    return held

@@ -1,0 +1,168 @@
+"""A whole calibration from one recording and its script, and every bad one refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from halo_calibration.errors import Refused
+from halo_calibration.script import parse_script
+from halo_calibration.scripted import Scripted
+from halo_calibration.session import Session
+from halo_calibration.steps import Setup
+from halo_service.app.cli import main
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes
+from halo_service.outputs.recorder import Recorder
+from halo_service.profile import Profile
+from halo_service.profile.store import load
+from halo_service.sources import Source
+from halo_service.sources.recording import Recording
+from halo_service.values import BadFrame, Frame
+from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.naming import wish
+from halo_service.virtual.offline import frames
+from halo_service.virtual.plays import play
+
+pytestmark = pytest.mark.slow
+
+SIM = wish("sim:calibration?seed=4")
+SWEEP_S = 13.6
+"""Four of the six rows: enough, and a third less to draw."""
+Script = list[dict[str, float | str]]
+
+
+@pytest.fixture(scope="module")
+def script() -> Script:
+    acting = play(SIM.scenario, SIM.room)
+    for second in range(60):
+        acting.at(float(second))
+    lines: Script = [
+        {"step": step.name, "from_s": step.from_s, "to_s": step.to_s, **step.fields}
+        for step in acting.steps
+    ]
+    lines[-1]["to_s"] = float(lines[-1]["from_s"]) + SWEEP_S
+    return lines
+
+
+@pytest.fixture(scope="module")
+def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("take") / "calibration.mkv"
+    seconds = float(script[-1]["to_s"]) + 0.2
+    with Recorder(path, factory(), fps=FPS, colour=False) as recorder:
+        for frame, _ in frames(SIM, seconds, colour=False):
+            if frame is not None:
+                recorder.write(frame)
+    return path
+
+
+def test_the_same_recording_and_script_give_the_same_profile(
+    take: Path, script: Script, tmp_path: Path
+) -> None:
+    written = tmp_path / "script.json"
+    written.write_text(json.dumps(script))
+    kept = []
+    for name in ("one", "two"):
+        folder = tmp_path / name / "desk"
+        arguments = ["--source", f"recording:{take}", "--script", str(written)]
+        assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
+        kept.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    assert kept[0] == kept[1]
+    profile = load(tmp_path / "one" / "desk")
+    assert profile.calibrated == "complete"
+    assert profile.touch is not None
+    signals = [getattr(profile.touch, s).raw for s in ("hover", "subtle", "touch", "pressure")]
+    assert signals == sorted(signals)
+    assert profile.touch.pressure.stated
+    assert profile.correction is not None
+    assert profile.correction.base == "virtual"
+    assert set(profile.steps) == {"background", "surface", "touch", "sweep"}
+    figures = profile.steps["sweep"].figures
+    assert figures["variation_corrected"] < figures["variation_raw"]
+
+
+class Without:
+    """A source that loses what was captured in a span of time."""
+
+    def __init__(self, source: Source, from_s: float, to_s: float) -> None:
+        self._source, self._from_s, self._to_s = source, from_s, to_s
+        self._first_us: int | None = None
+        self.kind, self.camera = source.kind, source.camera
+
+    def read(self, timeout_s: float) -> Frame | BadFrame | None:
+        while True:
+            capture = self._source.read(timeout_s)
+            assert capture is not None
+            self._first_us = capture.time_us if self._first_us is None else self._first_us
+            if not self._from_s <= (capture.time_us - self._first_us) / 1e6 < self._to_s:
+                return capture
+
+    def close(self) -> None:
+        self._source.close()
+
+
+@pytest.fixture
+def calibrate(take: Path) -> Iterator[Callable[..., Profile]]:
+    def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
+        settings = Settings()
+        with closing(Without(Recording(take, realtime=False, loop=False), *lost)) as source:
+            eyes = Eyes(source.camera, None, settings.tracking)
+            try:
+                setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
+                scripted = Scripted(setup, Session(source), lambda known: eyes.look, print)
+                return scripted.run(parse_script(script, "test"))
+            finally:
+                eyes.close()
+
+    yield run
+
+
+def until(script: Script, last: str) -> Script:
+    return script[: [line["step"] for line in script].index(last) + 1]
+
+
+def test_a_finger_that_moved_is_refused(script: Script, calibrate: Callable[..., Profile]) -> None:
+    lines = [dict(line) for line in until(script, "pressure")]
+    lines[1]["from_s"] = float(script[1]["from_s"]) - 1.8  # it is still on its way
+    lines[1]["to_s"] = float(script[1]["from_s"]) + 0.2
+    with pytest.raises(Refused, match=r"moved by \d+ mm during 'hover'|found in only .* 'hover'"):
+        calibrate(lines)
+
+
+def test_swapped_states_are_refused(script: Script, calibrate: Callable[..., Profile]) -> None:
+    lines = [dict(line) for line in until(script, "pressure")]
+    lines[1]["step"], lines[2]["step"] = "subtle", "hover"
+    with pytest.raises(Refused, match="'hover' shows a stronger halo than 'subtle'"):
+        calibrate(lines)
+
+
+def test_a_hand_in_the_background_is_refused(
+    script: Script, calibrate: Callable[..., Profile]
+) -> None:
+    resting = {**script[0], "from_s": script[3]["from_s"], "to_s": script[3]["to_s"]}
+    with pytest.raises(Refused, match=r"a hand was in the camera's view|something moved"):
+        calibrate([resting])
+
+
+def test_two_seconds_of_dropped_frames_are_refused(
+    script: Script, calibrate: Callable[..., Profile]
+) -> None:
+    touch = script[3]
+    lost = (float(touch["from_s"]) - 0.2, float(touch["to_s"]) - 0.2)
+    with pytest.raises(Refused, match=r"only \d+ of 60 frames came during 'touch'"):
+        calibrate(until(script, "pressure"), lost)
+    with pytest.raises(Refused, match=r"only \d+ of the 60 frames .* dropped"):
+        calibrate(script[:1], (0.4, 2.4))
+
+
+def test_a_sweep_that_is_too_small_is_refused(
+    script: Script, calibrate: Callable[..., Profile]
+) -> None:
+    lines = [dict(line) for line in script]
+    lines[-1]["to_s"] = float(lines[-1]["from_s"]) + 5.0
+    with pytest.raises(Refused, match=r"covered only \d+ % .* missing most at the near"):
+        calibrate(lines)

@@ -17,11 +17,12 @@ from halo_service.values import Frame, SourceKind
 from halo_service.virtual.bodies import wedge
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.hand import pointing
-from halo_service.virtual.motion import Performer, Segment, Track
+from halo_service.virtual.motion import Performer, Segment
 from halo_service.virtual.plays.common import away
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, posed
+from halo_service.virtual.track import Track
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0

@@ -10,7 +10,7 @@ from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.script import Line, stated_in
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup
-from halo_calibration.touch import STATES, Held
+from halo_calibration.touch import STATES, Held, judge_held
 from halo_service.profile import Profile
 
 
@@ -54,7 +54,9 @@ class Scripted:
             change = steps.surface_change(setup, **line.fields)
         elif step in STATES:
             known = steps.require(profile, step)
-            self._helds[step] = steps.hold(step, frames, wanted, self._eye(known), _nobody)
+            held = steps.hold(step, frames, wanted, self._eye(known), _nobody)
+            judge_held(held)  # refused at once where it is no good
+            self._helds[step] = held
             if len(self._helds) < len(STATES):
                 return known
             change = steps.touch_change(setup, self._helds)

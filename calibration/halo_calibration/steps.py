@@ -185,15 +185,6 @@ def sweep_change(setup: Setup, swept: Swept, profile: Profile) -> Change:
     return change
 
 
-def base_change(base: Base, record: StepRecord) -> Change:
-    """Correct by a base model alone, before any sweep."""
-
-    def change(before: Profile | None) -> Profile:
-        return _with_correction(require(before, "sweep"), base, None, record)
-
-    return change
-
-
 def require(profile: Profile | None, step: str) -> Profile:
     """Return the profile that a step builds on; raises `Refused` where the step before lacks."""
     if profile is None:

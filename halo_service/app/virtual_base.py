@@ -40,7 +40,7 @@ def main() -> int:
 
 def _pilot(name: str, settings: Settings) -> Samples:
     room = wish(name).room
-    profile = virtual_profile(room, settings, base="none")
+    profile = virtual_profile(room, settings)
     user = VirtualUser(room)
     rounds: list[tuple[float, Samples]] = []
     with ExitStack() as stack:

@@ -10,18 +10,17 @@ from __future__ import annotations
 from contextlib import ExitStack
 
 from halo_calibration import steps
-from halo_calibration.base import choose_base
 from halo_calibration.errors import Refused
 from halo_calibration.guided import CUES
 from halo_calibration.observe import Observation, Observer
 from halo_calibration.session import Session
-from halo_calibration.steps import Setup, base_change
+from halo_calibration.steps import Setup
 from halo_calibration.touch import STATES, Held
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
 from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.errors import UserError
-from halo_service.profile import Profile, StepRecord
+from halo_service.profile import Profile
 from halo_service.virtual.room import Room
 
 BACKGROUND_S = 2.0
@@ -33,15 +32,14 @@ DATE = "1970-01-01T00:00:00Z"
 """It is made anew at every start, so it has no date."""
 
 
-def virtual_profile(room: Room, settings: Settings, base: str = "auto") -> Profile:
-    """Calibrate on the virtual room; `base` as for `choose_base`.
+def virtual_profile(room: Room, settings: Settings) -> Profile:
+    """Calibrate on the virtual room; without a sweep, for fitting one costs seconds at the start.
 
     Raises `UserError` when its states cannot be told apart.
     """
     user = VirtualUser(room)
     session = Session(user)
-    known = choose_base(base, user.camera.serial)
-    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED, known)
+    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED)
     try:
         with ExitStack() as stack:
             eyes = Eyes(user.camera, None, settings.tracking)
@@ -50,16 +48,12 @@ def virtual_profile(room: Room, settings: Settings, base: str = "auto") -> Profi
             profile = steps.background_change(setup, empty, eyes.look)(None)
             observer = Observer(profile, eyes.look, settings.sensing)
             helds = {state: _held(state, user, session, observer) for state in STATES}
-            profile = steps.touch_change(setup, helds)(profile)
+            return steps.touch_change(setup, helds)(profile)
     except Refused as refused:
         raise UserError(
             f"the virtual room of seed {room.seed} on {room.material} cannot be calibrated: "
             f"{refused}; choose another seed or material"
         ) from refused
-    if known is not None:
-        record = StepRecord(DATE, "fair", {}, "the base model alone, no sweep")
-        profile = base_change(known, record)(profile)
-    return profile
 
 
 def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> Held:

@@ -33,6 +33,7 @@ pytestmark = pytest.mark.slow
 SIM = wish("sim:calibration?seed=4")
 SWEEP_S = 13.6
 """Four of the six rows: enough, and a third less to draw."""
+BEFORE_S = 0.5
 Script = list[dict[str, float | str]]
 
 
@@ -49,13 +50,18 @@ def script() -> Script:
     return lines
 
 
+def needed(script: Script, at_s: float) -> bool:
+    """Leave out most of what lies between the steps: it costs time, and belongs to none."""
+    return any(float(line["from_s"]) - BEFORE_S <= at_s <= float(line["to_s"]) for line in script)
+
+
 @pytest.fixture(scope="module")
 def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("take") / "calibration.mkv"
     seconds = float(script[-1]["to_s"]) + 0.2
     with Recorder(path, factory(), fps=FPS, colour=False) as recorder:
-        for frame, _ in frames(SIM, seconds, colour=False):
-            if frame is not None:
+        for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
+            if frame is not None and needed(script, number / FPS):
                 recorder.write(frame)
     return path
 
@@ -126,11 +132,12 @@ def until(script: Script, last: str) -> Script:
 
 
 def test_a_finger_that_moved_is_refused(script: Script, calibrate: Callable[..., Profile]) -> None:
-    lines = [dict(line) for line in until(script, "pressure")]
-    lines[1]["from_s"] = float(script[1]["from_s"]) - 1.8  # it is still on its way
-    lines[1]["to_s"] = float(script[1]["from_s"]) + 0.2
-    with pytest.raises(Refused, match=r"moved by \d+ mm during 'hover'|found in only .* 'hover'"):
-        calibrate(lines)
+    sweeping = float(script[-1]["from_s"]) + 1.0
+    moving: Script = [script[0]]
+    for n, state in enumerate(("hover", "subtle", "touch", "pressure")):
+        moving.append({"step": state, "from_s": sweeping + 2 * n, "to_s": sweeping + 2 * n + 2})
+    with pytest.raises(Refused, match=r"the finger moved by \d+ mm during 'hover': rest"):
+        calibrate(moving)
 
 
 def test_swapped_states_are_refused(script: Script, calibrate: Callable[..., Profile]) -> None:
@@ -164,5 +171,5 @@ def test_a_sweep_that_is_too_small_is_refused(
 ) -> None:
     lines = [dict(line) for line in script]
     lines[-1]["to_s"] = float(lines[-1]["from_s"]) + 5.0
-    with pytest.raises(Refused, match=r"covered only \d+ % .* missing most at the near"):
+    with pytest.raises(Refused, match=r"covered only \d+ % .* missing most (at|in) the"):
         calibrate(lines)

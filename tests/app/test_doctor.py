@@ -1,0 +1,42 @@
+"""The doctor names what is missing, with its remedy."""
+
+from __future__ import annotations
+
+import socket
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from halo_service.app.cli import main
+from halo_service.app.config import Settings
+from halo_service.app.doctor import Finding, examine, told
+from halo_service.outputs.settings import ControlSettings, ZenohSettings
+
+
+def findings(settings: Settings) -> dict[str, Finding]:
+    return {finding.what: finding for finding in examine(settings)}
+
+
+def test_every_miss_has_a_remedy(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        settings = replace(
+            Settings(),
+            profile=str(tmp_path / "none"),
+            control=ControlSettings(port=taken.getsockname()[1]),
+            zenoh=ZenohSettings(connect=("tcp/127.0.0.1:1",)),
+            tracking=replace(Settings().tracking, model=str(tmp_path / "no.task")),
+        )
+        found = findings(settings)
+    for what in ("camera", "hand model", "profile", "control port", "zenoh"):
+        assert not found[what].good, what
+        assert ";" in told(found[what]), "what is wrong, and then the remedy"
+    assert found["packages"].good
+
+
+def test_the_doctor_exits_with_1_when_something_is_missing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["doctor", "--profile", "./nowhere"]) == 1
+    assert "MISS profile: there is no profile at" in capsys.readouterr().out

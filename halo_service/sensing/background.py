@@ -14,7 +14,7 @@ from halo_service.values import Depth
 
 DRIFT_GRID_PX = 8
 """Every eighth pixel in both directions tells the drift well enough."""
-DRIFT_REACH_MM = 5.0
+DRIFT_REACH_MM = 15.0
 """What reads farther off than this is hand, halo or a thing on the table, and tells no drift."""
 DRIFT_TIME_S = 10.0
 """Time constant of the drift: slow against any hand, quick against a device that warms up."""
@@ -51,8 +51,8 @@ def follow_drift(before: Drift, excess_mm: NDArray[np.float32], time_us: int) ->
     """
     elapsed_us = 0 if before.time_us is None else max(time_us - before.time_us, 0)
     grid = excess_mm[::DRIFT_GRID_PX, ::DRIFT_GRID_PX]
-    surface = grid[(np.abs(grid) < DRIFT_REACH_MM) & (grid != 0.0)]
+    surface = grid[np.abs(grid) < DRIFT_REACH_MM]
     if surface.size == 0:
         return Drift(before.offset_mm, time_us)
     share = 1.0 - math.exp(-elapsed_us / (1e6 * DRIFT_TIME_S))
-    return Drift(before.offset_mm + share * float(surface.mean()), time_us)
+    return Drift(before.offset_mm + share * float(np.median(surface)), time_us)

@@ -1,7 +1,8 @@
 """Stage 7: the touch detector (paper 4.3.6).
 
-A touch is a sharp departure of the level from a slowly adapting baseline while the level
-rises; the touch ends when the level falls. Pure: time comes in by the door.
+A touch is a departure of the level from a slowly adapting baseline while the level rises
+sharply, or up to where no hovering finger comes; it ends when the level falls. Pure: time comes
+in by the door.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def detect(
     `before`: None for a finger that has just been found; it does not touch until it comes down.
     """
     if before is None:
-        return Detector(baseline=min(level, 0.0), level=level, time_us=time_us)
+        return Detector(baseline=level, level=level, time_us=time_us)
     elapsed_us = max(time_us - before.time_us, 1)
     rise = level - before.level
     if before.touching:
@@ -48,7 +49,9 @@ def detect(
         departed = level - before.baseline > settings.down_departure
         near = level > settings.down_level
         still = speed_mm_s < settings.fast_mm_s
-        touching = departed and near and still and rise >= settings.down_rise
+        sharp = rise >= settings.down_rise_per_s * elapsed_us / 1e6
+        sure = level >= settings.sure_level
+        touching = departed and near and still and (sharp or sure)
         crossed = settings.down_level
     changed = touching != before.touching
     return Detector(
@@ -61,10 +64,11 @@ def detect(
 
 
 def _smoothed(before: Detector, level: float, elapsed_us: int, settings: SensingSettings) -> float:
-    """Follow the level slowly, and never so far up that the next touch could not depart."""
+    """Follow the level slowly; never rise so far that a sure touch could not depart."""
     share = 1.0 - math.exp(-elapsed_us / (1000.0 * settings.baseline_time_ms))
     followed = before.baseline + share * (level - before.baseline)
-    return min(followed, settings.down_level - settings.down_departure)
+    highest = max(before.baseline, settings.sure_level - settings.down_departure)
+    return min(followed, highest)
 
 
 def _since(crossed: float, previous: float, level: float) -> float:

@@ -20,12 +20,15 @@ class SensingSettings:
     """A pointer may leave the surface by this much."""
     lost_after_ms: float = 250.0
     """A finger that the tracker has not seen for so long is gone (chosen: a few tracker frames)."""
-    down_departure: float = 0.45
-    """How far the level (0 subtle, 1 touch) departs from its baseline at a touch (chosen)."""
-    down_rise: float = 0.05
-    """Least rise of the level from frame to frame at a touch (chosen: a slow finger's)."""
+    down_departure: float = 0.2
+    """How far the level (0 subtle, 1 touch) departs from its baseline at a touch (chosen: several
+    times the level's noise, and what a flat finger's weaker halo still reaches)."""
     down_level: float = 0.2
     """Least level of a touch, whatever the baseline (chosen: a flat finger's halo is weaker)."""
+    down_rise_per_s: float = 1.5
+    """Least rise of the level at a sharp touch, 1/s (chosen: 0.05 a frame, a slow finger's)."""
+    sure_level: float = 0.8
+    """From this level on a touch need not be sharp (chosen: a soft landing ends above it)."""
     up_level: float = 0.1
     """Below this level a touch ends (chosen: hysteresis against a halo that flickers)."""
     baseline_time_ms: float = 400.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from halo_service.profile import Background, Profile
-from halo_service.sensing.background import excess_depth
+from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import Detector, detect
 from halo_service.sensing.extraction import extract
@@ -94,9 +94,20 @@ def levels(*values: float, speed_mm_s: float = 0.0) -> list[Detector]:
         ((-1.0, -1.0, 1.0, 1.0), [False, False, True, True]),
         ((-1.0, -0.5, 0.0, 0.15), [False, False, False, False]),
         ((0.0, 0.0, 1.0, 0.15, 0.05), [False, False, True, True, False]),
-        ((1.0, 1.0, 1.0, 1.0), [False, False, False, False]),
+        ((1.0, 1.0, 1.0, -1.0, -1.0, 1.0), [*[False] * 5, True]),
+        ((*[0.3] * 60, 0.45, 0.3), [False] * 62),
+        ((*[0.3] * 60, 0.6), [*[False] * 60, True]),
+        (tuple(0.044 * n - 1.0 for n in range(45)), [*[False] * 41, *[True] * 4]),
     ],
-    ids=["a tap", "an approach", "hysteresis", "found while it rests"],
+    ids=[
+        "a tap",
+        "an approach",
+        "hysteresis",
+        "found while it rests",
+        "a flicker above the baseline",
+        "a touch above the baseline",
+        "a soft landing",
+    ],
 )
 def test_the_detector(values: tuple[float, ...], touching: list[bool]) -> None:
     assert [detector.touching for detector in levels(*values)] == touching
@@ -171,6 +182,21 @@ def test_pressure_and_force(profile: Profile, signal: float, pressure: float, gr
     assert profile.touch is not None
     assert touch_pressure(signal, profile.touch) == pytest.approx(pressure)
     assert force(pressure, profile.touch) == pytest.approx(grams)
+
+
+def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() -> None:
+    background = Background(
+        np.full((576, 640), 500.0, np.float32),
+        np.ones((576, 640), np.float32),
+        np.ones((576, 640), bool),
+    )
+    drift = Drift()
+    for n in range(30 * 60):
+        depth = np.full((576, 640), 506, np.uint16)
+        depth[200:400, 200:400] = 450  # a hand that rests
+        depth[100:200, 200:400] = 516  # and its halo
+        drift = follow_drift(drift, excess_depth(depth, background, drift.offset_mm), n * FRAME_US)
+    assert drift.offset_mm == pytest.approx(6.0, abs=0.1)
 
 
 def test_no_silhouette_is_no_tip() -> None:

@@ -15,6 +15,8 @@ import pytest
 # tests start; they ask how a program ends on Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+pytest_plugins = ["tests.drawn"]
+
 REPOSITORY = Path(__file__).parents[1]
 
 

@@ -6,7 +6,9 @@ import logging
 import secrets
 import signal
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from types import FrameType
 
 import halo_protocol as wire
@@ -17,6 +19,7 @@ from halo_service.app.orders import Orders
 from halo_service.app.publisher import Publisher
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.osc import OscOutput, destination
@@ -37,32 +40,36 @@ def serve(settings: Settings) -> None:
     with ExitStack() as stack:
         control = ControlPort(settings.control.host, settings.control.port)
         stack.callback(control.close)
-        carriers = _carriers(settings, node, stack)
+        kept = load(profile_path(settings.profile)) if settings.profile else None
+        surface = kept.surface.name if kept else DEFAULT_SURFACE[0]
+        carriers = _carriers(settings, node, surface, stack)
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
-        profile = profile_for(source, settings)
+        profile = profile_for(source, kept, settings)
         frames = Wire(node, secrets.token_hex(4), wire.first_frame(time.time_ns() // 1000))
-        publisher = Publisher(frames, carriers, source.kind, source.camera, DEFAULT_SURFACE[0])
-        tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
-        stack.callback(tracker.close)
+        publisher = Publisher(frames, carriers, source.kind, source.camera, surface)
+        tracker = _tracker(source, profile, settings)
+        if tracker is not None:
+            stack.callback(tracker.close)
         state = start(profile, settings.sensing)
         folder = profile_path(settings.profile) if settings.profile else None
         keeper = Keeper(folder, source.camera, profile)
         stack.callback(keeper.close)
         orders = Orders(control, keeper)
-        loop = LiveLoop(source, reopen, tracker, state, publisher, orders.obey, keeper.watch)
+        again = partial(_same_again, reopen, source.camera)
+        loop = LiveLoop(source, again, tracker, state, publisher, orders.obey, keeper.watch)
         _stop_on_signals(loop)
         _greet(settings, source, profile, node)
         loop.run()
 
 
-def profile_for(source: Source, settings: Settings) -> Profile | None:
+def profile_for(source: Source, kept: Profile | None, settings: Settings) -> Profile | None:
     """Return the profile to sense with: the user's, the virtual sensor's own, or none."""
-    if settings.profile:
-        profile = load(profile_path(settings.profile))
-        require_fit(profile, source.camera)
-        return profile
+    if kept is not None:
+        require_fit(kept, source.camera)
+        return kept
     if source.kind == "virtual":
+        log.info("profile: measuring the virtual room, a few seconds")
         from halo_service.app.virtual_profile import virtual_profile
         from halo_service.virtual.live import VirtualKinect
 
@@ -82,14 +89,30 @@ def _node(name: str) -> str:
         raise UserError(f"{error}; set it with --node or in halo.toml") from error
 
 
-def _carriers(settings: Settings, node: str, stack: ExitStack) -> list[Carrier]:
+def _tracker(source: Source, profile: Profile | None, settings: Settings) -> TrackerBeside | None:
+    """Make the hand tracker; a recording without a profile has no use for hands, and needs none."""
+    if profile is None and not settings.profile and source.kind == "recording":
+        return None
+    return TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
+
+
+def _same_again(reopen: Callable[[], Source], camera: Camera) -> Source:
+    """Open the source that was lost; another device in its place is not it."""
+    source = reopen()
+    if source.camera.serial != camera.serial:
+        source.close()
+        raise UserError(f"camera {source.camera.serial} is not {camera.serial}, which was lost")
+    return source
+
+
+def _carriers(settings: Settings, node: str, surface: str, stack: ExitStack) -> list[Carrier]:
     carriers: list[Carrier] = []
     if settings.osc.enabled:
         carriers.append(OscOutput([destination(each) for each in settings.osc.destinations]))
     if settings.zenoh.enabled:
         from halo_service.outputs.zenoh import ZenohOutput
 
-        carriers.append(ZenohOutput(settings.zenoh, node, DEFAULT_SURFACE[0]))
+        carriers.append(ZenohOutput(settings.zenoh, node, surface))
     for carrier in carriers:
         stack.callback(carrier.close)
     return carriers

@@ -22,7 +22,7 @@ WAKE_S = 0.2
 AGAIN_S = 1.0
 """Pause before a tracker that failed is made anew."""
 
-TrackerState = Literal["starting", "searching", "tracking", "failed"]
+TrackerState = Literal["off", "starting", "searching", "tracking", "failed"]
 
 
 class Tracker(Protocol):

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from halo_service.errors import UserError
-from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.beside import TrackerBeside, TrackerState
 from halo_service.runtime.checks import judge
 from halo_service.runtime.vitals import Pulse, Vitals
 from halo_service.sensing import State, clear, step
@@ -23,12 +23,19 @@ log = logging.getLogger(__name__)
 
 READ_S = 0.25
 """Longest wait for a capture, so that the loop can beat, stop and reconnect."""
-KEEP_ALIVE_S = 0.75
+KEEP_ALIVE_S = 0.6
 """Silence after which an empty frame is sent; with `READ_S` that makes 1 Hz or more."""
-SCENE_S, HEALTH_S = 0.5, 1.0
-"""How often scene and health are told."""
-RECONNECT_S = 1.0
+SCENE_S, HEALTH_S = 0.4, 0.9
+"""How often scene and health are told; with `READ_S` that makes 2 Hz and 1 Hz nearly or more."""
+SILENCE_S = 5.0
+"""A camera that gave nothing for so long is as good as unplugged."""
+RECONNECT_S = 0.4
 """Pause between two tries to open a camera that was lost."""
+FRAME_S = 0.0105
+"""Least time between two frames: the frame counter of a restarted service starts at Unix time in
+steps of 10 ms, and must be ahead of what was sent before, however fast a recording is played."""
+BEHIND_US = 100_000
+"""What is told in a silence is dated this much back, so that the next capture is never earlier."""
 
 
 class Publisher(Protocol):
@@ -63,14 +70,15 @@ class LiveLoop:
         self,
         source: Source,
         reopen: Callable[[], Source],
-        tracker: TrackerBeside,
+        tracker: TrackerBeside | None,
         state: State,
         publisher: Publisher,
         obey: Obey = _hear_nothing,
         watch: Callable[[Frame], None] = _watch_nothing,
     ) -> None:
-        """`reopen` opens the same source again after it was lost; `obey` takes clients' orders;
-        `watch` is shown each good frame after its packet has left."""
+        """`reopen` opens the same source again after it was lost; `tracker`: None where nobody
+        needs hands; `obey` takes clients' orders; `watch` is shown each good frame after its
+        packet has left."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
@@ -81,7 +89,9 @@ class LiveLoop:
         self._stopped = threading.Event()
         self._pulse = Pulse()
         self._last_us: int | None = None
-        self._last_s = self._scene_s = self._health_s = float("-inf")
+        self._bad_in_a_row = 0
+        self._heard_s = time.monotonic()
+        self._sent_s = self._scene_s = self._health_s = float("-inf")
 
     def stop(self) -> None:
         """Let `run` end soon; from any thread or signal handler."""
@@ -92,15 +102,15 @@ class LiveLoop:
         try:
             while not self._stopped.is_set():
                 self._beat()
-                if self._tracker.failure is not None:
+                if self._tracker is not None and self._tracker.failure is not None:
                     raise self._tracker.failure
                 self._state = self._obey(self._state, self._source)
                 self._turn()
         except EndOfSource:
             self._pulse.camera = "ended"
         finally:
-            self._let_go()
-            self._publisher.health(self._pulse.vitals(time.monotonic(), self._tracker.state))
+            self._let_go(self._silent_us())
+            self._publisher.health(self._vitals())
             if self._source is not None:
                 self._source.close()
 
@@ -111,47 +121,64 @@ class LiveLoop:
             return
         try:
             capture = self._source.read(READ_S)
+            if capture is None and time.monotonic() - self._heard_s > SILENCE_S:
+                raise SourceLost(f"camera: nothing came for {SILENCE_S:.0f} s; opening it anew")
         except SourceLost as error:
             log.warning("%s", error)
             self._lose(self._source)
             return
         if capture is not None:
             self._take(capture, self._source.camera.fps)
-        elif time.monotonic() - self._last_s > KEEP_ALIVE_S:
-            self._let_go()
+        elif time.monotonic() - self._sent_s > KEEP_ALIVE_S:
+            self._let_go(self._silent_us())
 
     def _take(self, capture: Frame | BadFrame, fps: float) -> None:
-        received_s = time.monotonic()
+        received_s = self._heard_s = time.monotonic()
         judged = judge(capture, self._last_us, fps)
         self._last_us = capture.time_us
         self._pulse.camera = "running"
         self._pulse.drops += judged.missed
+        self._complain(judged.fault)
         if isinstance(capture, BadFrame) or judged.fault is not None:
             self._pulse.bad_frames += 1
-            log.warning("frame: %s; all pointers were let go", judged.fault)
-            self._let_go()
+            self._let_go(capture.time_us)
             return
-        self._tracker.offer(capture)
-        tracked = self._tracker.newest
+        tracked = None
+        if self._tracker is not None:
+            self._tracker.offer(capture)
+            tracked = self._tracker.newest
         told, self._state = step(self._state, capture, tracked)
-        self._publisher.frame(told)
-        self._last_s = time.monotonic()
+        self._publish(told)
         age_us = capture.time_us - tracked.time_us if tracked else None
-        self._pulse.sent(received_s, self._last_s, age_us)
+        self._pulse.sent(received_s, self._sent_s, age_us)
         self._watch(capture)
 
-    def _let_go(self) -> None:
+    def _let_go(self, time_us: int) -> None:
         """Send an empty frame, so that nothing sticks on the other side."""
-        told, self._state = clear(self._state, self._time_us())
-        self._publisher.frame(told)
-        self._last_s = time.monotonic()
+        told, self._state = clear(self._state, time_us)
+        self._publish(told)
 
-    def _time_us(self) -> int:
-        """Return the source's time now: its last, and what has passed since."""
+    def _publish(self, told: TouchFrame) -> None:
+        self._stopped.wait(self._sent_s + FRAME_S - time.monotonic())
+        self._publisher.frame(told)
+        self._sent_s = time.monotonic()
+
+    def _silent_us(self) -> int:
+        """Return the source's time while it says nothing: its last, and most of what has passed."""
         if self._last_us is None:
             return time.time_ns() // 1000
-        passed_s = time.monotonic() - self._last_s
-        return self._last_us + (round(passed_s * 1e6) if passed_s < float("inf") else 0)
+        passed_us = round((time.monotonic() - self._heard_s) * 1e6)
+        return self._last_us + max(passed_us - BEHIND_US, 0)
+
+    def _complain(self, fault: str | None) -> None:
+        """Say when captures turn bad and when they are good again, not each bad one."""
+        if fault is not None:
+            if self._bad_in_a_row == 0:
+                log.warning("frame: %s; all pointers were let go", fault)
+            self._bad_in_a_row += 1
+        elif self._bad_in_a_row:
+            log.warning("frame: good again after %d that could not be sensed", self._bad_in_a_row)
+            self._bad_in_a_row = 0
 
     def _beat(self) -> None:
         now_s = time.monotonic()
@@ -160,20 +187,30 @@ class LiveLoop:
             self._publisher.scene(self._state)
         if now_s - self._health_s >= HEALTH_S:
             self._health_s = now_s
-            self._publisher.health(self._pulse.vitals(now_s, self._tracker.state))
+            self._publisher.health(self._vitals())
+
+    def _vitals(self) -> Vitals:
+        seeing = self._tracker is not None and self._pulse.camera == "running"
+        idle: TrackerState = "off" if self._tracker is None else "searching"
+        state = self._tracker.state if self._tracker is not None and seeing else idle
+        return self._pulse.vitals(time.monotonic(), state)
 
     def _lose(self, source: Source) -> None:
         self._pulse.camera = "lost"
         self._source = None
-        self._last_us = None
         source.close()
-        self._let_go()
+        self._let_go(self._silent_us())
+        self._publisher.health(self._vitals())
 
     def _reconnect(self) -> None:
+        self._let_go(self._silent_us())
+        self._stopped.wait(RECONNECT_S)
         try:
             self._source = self._reopen()
-            log.warning("camera: found again")
         except UserError as error:
             log.debug("camera: not back yet: %s", error)
-            self._let_go()
-            self._stopped.wait(RECONNECT_S)
+            return
+        self._last_us = None
+        self._heard_s = time.monotonic()
+        self._let_go(time.time_ns() // 1000)
+        log.warning("camera: found again")

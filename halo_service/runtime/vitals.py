@@ -5,14 +5,14 @@ from __future__ import annotations
 import statistics
 from collections import deque
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from halo_service.runtime.beside import TrackerState
 
-WINDOW = 64
-"""Frames over which rate and latency are told: two seconds."""
-STALE_S = 2.0
-"""Frames sent longer ago than this say nothing of the present rate."""
+WINDOW = 128
+"""Frames remembered: more than a second of the fastest."""
+RECENT_S = 1.0
+"""Health is told of the last second (protocol 1)."""
 
 CameraState = Literal["starting", "running", "lost", "ended"]
 
@@ -39,31 +39,33 @@ class Pulse:
         self.drops = 0
         self.bad_frames = 0
         self.camera: CameraState = "starting"
-        self._sent_s: deque[float] = deque(maxlen=WINDOW)
-        self._latency_ms: deque[float] = deque(maxlen=WINDOW)
-        self._age_ms: deque[float] = deque(maxlen=WINDOW)
+        self._sent: deque[_Sent] = deque(maxlen=WINDOW)
 
     def sent(self, received_s: float, sent_s: float, hands_age_us: int | None) -> None:
         """Count a frame that was sensed and sent; both times from one monotonic clock."""
-        self._sent_s.append(sent_s)
-        self._latency_ms.append(1000.0 * (sent_s - received_s))
-        if hands_age_us is not None:
-            self._age_ms.append(hands_age_us / 1000.0)
+        age_ms = None if hands_age_us is None else hands_age_us / 1000.0
+        self._sent.append(_Sent(sent_s, 1000.0 * (sent_s - received_s), age_ms))
 
     def vitals(self, now_s: float, tracker: TrackerState) -> Vitals:
-        """Sum it up."""
-        recent = [sent for sent in self._sent_s if now_s - sent < STALE_S]
-        span_s = recent[-1] - recent[0] if len(recent) > 1 else 0.0
+        """Sum up the last second."""
+        recent = [sent for sent in self._sent if now_s - sent.time_s <= RECENT_S]
+        span_s = recent[-1].time_s - recent[0].time_s if len(recent) > 1 else 0.0
         return Vitals(
             fps=(len(recent) - 1) / span_s if span_s > 0.0 else 0.0,
-            latency_ms=_median(self._latency_ms),
+            latency_ms=_median([sent.latency_ms for sent in recent]),
             drops=self.drops,
             bad_frames=self.bad_frames,
             tracker=tracker,
             camera=self.camera,
-            tracker_ms=_median(self._age_ms),
+            tracker_ms=_median([sent.age_ms for sent in recent if sent.age_ms is not None]),
         )
 
 
-def _median(values: deque[float]) -> float:
+class _Sent(NamedTuple):
+    time_s: float
+    latency_ms: float
+    age_ms: float | None
+
+
+def _median(values: list[float]) -> float:
     return statistics.median(values) if values else -1.0

@@ -11,14 +11,17 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera, Lens
+from halo_service.profile import Profile
 from halo_service.runtime.beside import TrackerBeside
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.vitals import Vitals
-from halo_service.sensing import SensingSettings, State, start
+from halo_service.sensing import SensingSettings, State, start, step
 from halo_service.sources import EndOfSource, SourceLost
-from halo_service.values import BadFrame, Frame, SourceKind, TouchFrame, Tracked
+from halo_service.values import BadFrame, Frame, SourceKind, Touch, TouchFrame, Tracked
 
 FRAME_US = 33_333
+LATE_S = 0.3
+"""What a busy machine may be late by."""
 CAMERA = Camera("S", "NFOV_UNBINNED", 30, Lens(4, 4, 5, 5, 2, 2), None, np.eye(4))
 
 
@@ -50,12 +53,16 @@ class Listener:
     """A publisher that keeps what it is told."""
 
     def __init__(self) -> None:
-        self.frames: list[TouchFrame] = []
+        self.sent: list[tuple[float, TouchFrame]] = []
         self.scenes = 0
         self.vitals: list[Vitals] = []
 
+    @property
+    def frames(self) -> list[TouchFrame]:
+        return [told for _, told in self.sent]
+
     def frame(self, told: TouchFrame) -> None:
-        self.frames.append(told)
+        self.sent.append((time.monotonic(), told))
 
     def scene(self, state: State) -> None:
         self.scenes += 1
@@ -82,22 +89,25 @@ def frame(n: int, depth_mm: int = 500) -> Frame:
 def run(
     script: Sequence[Frame | BadFrame | Exception | None],
     reopen: Callable[[], Scripted] | None = None,
-    make: Callable[[], Blind] = Blind,
+    make: Callable[[], Blind] | None = Blind,
+    state: State | None = None,
 ) -> tuple[Listener, Scripted]:
     listener, source = Listener(), Scripted(script)
-    tracker = TrackerBeside(make)
+    tracker = TrackerBeside(make) if make else None
+    state = state or start(None, SensingSettings())
 
     def never() -> Scripted:
         raise UserError("no camera")
 
-    loop = LiveLoop(source, reopen or never, tracker, start(None, SensingSettings()), listener)
+    loop = LiveLoop(source, reopen or never, tracker, state, listener)
     guard = threading.Timer(30.0, loop.stop)  # a loop that never ends must fail, not hang
     guard.start()
     try:
         loop.run()
     finally:
         guard.cancel()
-        tracker.close()
+        if tracker is not None:
+            tracker.close()
     return listener, source
 
 
@@ -136,8 +146,10 @@ def test_missing_frames_are_counted() -> None:
 
 
 def test_a_silent_camera_is_told_at_1_hz() -> None:
-    listener, _ = run([frame(0), *[None] * 8, frame(61)])
-    assert len(listener.frames) >= 4
+    listener, _ = run([frame(0), *[None] * 12, frame(92)])
+    gaps_s = np.diff([sent_s for sent_s, _ in listener.sent])
+    assert len(gaps_s) >= 5
+    assert max(gaps_s) < 1.0 + LATE_S
     assert all(told.pointers == () for told in listener.frames)
 
 
@@ -184,3 +196,74 @@ def test_a_tracker_that_fails_once_is_started_anew() -> None:
     listener, _ = run(script, make=Shaky)
     assert Shaky.made == 2
     assert listener.vitals[-1].tracker == "searching"
+
+
+def touching(profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]) -> State:
+    """A state in which a finger touches; its last frame was number 5."""
+    state = start(profile, SensingSettings())
+    for n, signal in enumerate([0.0, 0.0, 2200.0, 2200.0, 2200.0, 2200.0]):
+        at_us = n * FRAME_US
+        told, state = step(state, draw(signal=signal, time_us=at_us), see(time_us=at_us))
+    assert [pointer.state for pointer in told.pointers] == [Touch.TOUCH]
+    return state
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        [BadFrame(7 * FRAME_US, "no depth")],
+        [frame(7, depth_mm=0)],
+        [frame(3)],
+        [frame(300)],
+        [SourceLost("camera: it went away")],
+        [None, None, None, None],
+        [],
+    ],
+    ids=["without depth", "all zero", "time back", "time ahead", "unplugged", "silent", "ended"],
+)
+def test_whatever_happens_a_touching_finger_is_let_go_with_its_up(
+    bad: list[Frame | BadFrame | Exception | None],
+    profile: Profile,
+    draw: Callable[..., Frame],
+    see: Callable[..., Tracked],
+) -> None:
+    state = touching(profile, draw, see)
+    rests = draw(signal=2200.0, time_us=6 * FRAME_US)
+    listener, _ = run([rests, *bad], lambda: Scripted([]), state=state)
+    assert [pointer.state for pointer in listener.frames[0].pointers] == [Touch.TOUCH]
+    after = [told for told in listener.frames if told.pointers == ()]
+    assert [event.kind for told in after for event in told.events] == ["up"]
+    assert listener.frames[-1].pointers == ()
+
+
+def test_time_never_goes_back_over_bad_frames_and_silence() -> None:
+    script = [frame(0), frame(1, depth_mm=0), frame(2), None, None, None, frame(27), frame(28)]
+    listener, _ = run(script)
+    times = [told.time_us for told in listener.frames]
+    assert times == sorted(times)
+
+
+def test_nobody_outruns_the_seed_of_the_frame_counter() -> None:
+    listener, _ = run([frame(n) for n in range(40)])
+    sent_s = [at_s for at_s, _ in listener.sent]
+    assert min(np.diff(sent_s)) > 0.0099
+
+
+def test_another_camera_in_its_place_or_none_is_waited_for_without_a_gap() -> None:
+    tries = 0
+
+    def reopen() -> Scripted:
+        nonlocal tries
+        tries += 1
+        if tries < 4:
+            raise UserError("no camera")
+        return Scripted([])
+
+    listener, _ = run([frame(0), SourceLost("camera: it went away")], reopen)
+    gaps_s = np.diff([sent_s for sent_s, _ in listener.sent])
+    assert max(gaps_s) < 1.0 + LATE_S
+
+
+def test_without_a_tracker_health_says_so() -> None:
+    listener, _ = run([frame(n) for n in range(5)], make=None)
+    assert listener.vitals[-1].tracker == "off"

@@ -54,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from halo_drums.speakers import SoundError
 
     try:
-        if options.render:
+        if options.render or options.picture:
             return _render(options, kit, settings)
         return _play(options, kit, settings)
     except (ClientError, SoundError, MidiError, StageError, OSError) as error:
@@ -88,17 +88,26 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--render", type=Path, metavar="OUT.wav", help="write the sound of --from FILE.jsonl"
     )
+    parser.add_argument(
+        "--picture", type=Path, metavar="OUT.png", help="write its loudest moment as a picture"
+    )
     return parser
 
 
 def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
     from halo_drums.render import render, write_wav
+    from halo_drums.view import write_picture
 
     source = halo_client.parse_source(options.source)
     if not isinstance(source, FileSource):
-        raise ClientError("--render needs a recorded stream: --from FILE.jsonl")
-    sound = render(halo_client.frames(FileSource(source.path, paced=False)), kit, settings)
-    write_wav(options.render, sound)
+        raise ClientError("--render and --picture need a recorded stream: --from FILE.jsonl")
+    frames = list(halo_client.frames(FileSource(source.path, paced=False)))
+    if options.render:
+        write_wav(options.render, render(frames, kit, settings))
+    if options.picture:
+        player = Player(kit, settings)
+        gestures = [gesture for frame in frames for gesture in player.take(frame)]
+        write_picture(options.picture, kit, gestures)
     return 0
 
 
@@ -147,7 +156,7 @@ def _run(
 
     def draw(now_s: float, note: str) -> None:
         if stage is not None:
-            stage.keys()
+            stage.pressed()
             view.draw(stage.screen, stage.placed(receiver.known), now_s, note)
             stage.show()
 

@@ -11,6 +11,7 @@ from typing import Self
 import mido
 
 from halo_drums.player import Gesture, Hit, Release, Shape
+from halo_drums.quiet import quiet
 
 CHANNEL = 9
 """Channel 10, as people count."""
@@ -50,7 +51,8 @@ class MidiOut:
 
     def __init__(self, name: str) -> None:
         try:
-            known = mido.get_output_names()
+            with quiet():
+                known = mido.get_output_names()
         except (ImportError, OSError, SystemError) as error:
             raise MidiError(f"MIDI is not available on this machine ({error})") from error
         match = [port for port in known if name.lower() in port.lower()]

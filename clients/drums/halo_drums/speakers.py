@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from halo_drums.mixer import Mixer
 from halo_drums.player import Gesture
+from halo_drums.quiet import quiet
 from halo_drums.voices import RATE
 
 PERIOD_MS = 5
@@ -48,17 +49,18 @@ class Speakers:
         self.slowest = 0.0
         """Longest time that making a piece of sound took, over the time that it plays."""
         try:
-            self._device = miniaudio.PlaybackDevice(
-                output_format=miniaudio.SampleFormat.FLOAT32,
-                nchannels=2,
-                sample_rate=RATE,
-                buffersize_msec=PERIOD_MS,
-                callback_periods=PERIODS,
-                backends=list(backends),
-                app_name="halo-drums",
-            )
+            with quiet():
+                self._device = miniaudio.PlaybackDevice(
+                    output_format=miniaudio.SampleFormat.FLOAT32,
+                    nchannels=2,
+                    sample_rate=RATE,
+                    buffersize_msec=PERIOD_MS,
+                    callback_periods=PERIODS,
+                    backends=list(backends),
+                    app_name="halo-drums",
+                )
         except miniaudio.MiniaudioError as error:
-            raise SoundError(_no_device(str(error))) from error
+            raise SoundError(_no_device(str(error.args[0]))) from error
         if self._device.backend == "Null" and miniaudio.Backend.NULL not in backends:
             self._device.close()
             raise SoundError(_no_device("none was found"))

@@ -5,10 +5,14 @@ Rule: it draws what it is told, on any pygame surface, and reads no clock.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pygame
 
+from halo_client import Placing
+from halo_client.placing import HEIGHT_MM, WIDTH_MM
 from halo_drums.kit import Pad
 from halo_drums.player import Gesture, Hit, Shape
 from halo_window import Placed
@@ -95,3 +99,19 @@ class View:
     @staticmethod
     def _pixel(placed: Placed, u: float, v: float) -> tuple[float, float]:
         return placed.placing.pixel(u * placed.width_mm, v * placed.height_mm)
+
+
+def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture]) -> None:
+    """A PNG of the moment after the loudest hit. `OSError` where it cannot be written."""
+    hits = [gesture for gesture in gestures if isinstance(gesture, Hit)]
+    moment_us = max(hits, key=lambda hit: hit.level).time_us + 90_000 if hits else 0
+    view = View(kit)
+    for gesture in gestures:
+        if gesture.time_us <= moment_us:
+            view.take(gesture, gesture.time_us / 1e6)
+    pygame.font.init()
+    screen = pygame.Surface((1200, 800))
+    placing = Placing.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)
+    view.draw(screen, Placed(placing, WIDTH_MM, HEIGHT_MM), moment_us / 1e6)
+    with path.open("wb") as file:
+        pygame.image.save(screen, file, "x.png")

@@ -4,6 +4,11 @@ Rule: pygame is touched here and in the guests' own drawing. A guest hands in tw
 for frames and one for pictures.
 """
 
+import os
+
+# pygame greets on stdout otherwise, where guests may write data.
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+
 from halo_window.loop import listen
 from halo_window.options import add_stage_options
 from halo_window.stage import Placed, Stage, StageError

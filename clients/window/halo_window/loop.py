@@ -45,11 +45,11 @@ def listen(
                 take(event, time.monotonic())
         now_s = time.monotonic()
         news = silence.notice(heard, now_s)
-        if news:
+        if news and not receiver.ended:
             print(f"{name}: {news}", file=sys.stderr, flush=True)
         if receiver.ended:
             end_s = min(end_s, now_s + LINGER_S)
-        draw(now_s, "waiting for frames ..." if silence.waiting else "")
+        draw(now_s, "waiting for frames ..." if silence.waiting and not receiver.ended else "")
         due_s = max(due_s + 1 / PICTURES_HZ, now_s)
 
 

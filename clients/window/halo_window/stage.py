@@ -6,6 +6,7 @@ then the picture goes through the homography as soon as the service tells one.
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Self
 
@@ -16,6 +17,8 @@ from halo_client.placing import HEIGHT_MM, WIDTH_MM
 
 SIZE = (1200, 800)
 MARGIN = 0.02
+UNSEEN = ("dummy", "offscreen")
+"""What SDL falls back to by itself where there is no screen; who wants that says so."""
 
 
 class StageError(Exception):
@@ -38,6 +41,8 @@ class Stage:
         try:
             pygame.display.init()
             pygame.font.init()
+            if pygame.display.get_driver() in UNSEEN and "SDL_VIDEODRIVER" not in os.environ:
+                raise pygame.error("none was found")
             count = pygame.display.get_num_displays()
             if not 0 <= display < count:
                 raise StageError(f"there is no display {display}; there are 0 to {count - 1}")
@@ -55,7 +60,7 @@ class Stage:
         self.open = True
         """False once the user has closed it."""
 
-    def keys(self) -> list[int]:
+    def pressed(self) -> list[int]:
         """The keys pressed since the last call; sees to closing and resizing."""
         pressed = []
         for event in pygame.event.get():

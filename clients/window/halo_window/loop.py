@@ -7,6 +7,7 @@ for longer than a picture takes to draw.
 from __future__ import annotations
 
 import math
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -32,8 +33,12 @@ def listen(
     """Run until the window is closed or a recorded stream is over.
 
     `take(frame, now_s)` gets each frame, `draw(now_s, note)` is called for each picture; the note
-    says that nobody plays, or nothing. `ClientError` where a recorded stream is broken.
+    says that nobody plays, or nothing. Ctrl-C and SIGTERM raise `KeyboardInterrupt`;
+    `ClientError` where a recorded stream is broken.
     """
+    # Started in a shell's background, a program inherits that Ctrl-C is ignored.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     due_s = time.monotonic()
     silence = Silence(receiver.url, due_s)
     end_s = math.inf

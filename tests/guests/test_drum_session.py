@@ -19,7 +19,7 @@ from halo_drums.voices import RATE
 from halo_protocol import Assembler, TouchFrame
 from halo_service.outputs.wire import Wire
 
-SECONDS = 9.0
+SECONDS = 7.5
 HOP, WIDTH, BACK = 48, 240, 6
 """A look each millisecond, over 5 ms, compared with that of 6 ms before."""
 ONSET = 5.0
@@ -62,7 +62,7 @@ def test_each_hit_of_the_session_is_heard_once_within_5_ms(
     true = sum("contact" in line for line in session.truth)
     print(f"{len(downs_s)} downs ({true} true touches), {len(heard_s)} onsets")
     print(f"off by at most {max(errors_ms):.1f} ms; peak {np.abs(sound).max():.2f}")
-    assert len(downs_s) >= 8
+    assert len(downs_s) >= 6
     assert len(heard_s) == len(downs_s)
     assert max(errors_ms) < 5.0
     assert np.abs(sound).max() < 1.0

@@ -50,7 +50,9 @@ class Canvas:
 
     def grow(self, stroke: Stroke) -> Box | None:
         """Draw what is new of a stroke; returns where the picture changed."""
-        _, wet = self._wet.setdefault(id(stroke), (stroke, _Wet(self._empty())))
+        if id(stroke) not in self._wet:
+            self._wet[id(stroke)] = stroke, _Wet(self._empty())
+        _, wet = self._wet[id(stroke)]
         boxes = [sweep(wet.layer, self.placing, piece) for piece in stroke.pieces[wet.drawn :]]
         wet.drawn = len(stroke.pieces)
         box = _around([box for box in boxes if box is not None])

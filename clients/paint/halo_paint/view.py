@@ -10,7 +10,7 @@ import numpy as np
 import pygame
 
 from halo_client import Placing
-from halo_paint.brushes import PAPER, Brush, width_mm
+from halo_paint.brushes import PAPER, Brush, Colour, width_mm
 from halo_paint.canvas import Box, Canvas
 from halo_paint.painter import Change, News, Painter
 from halo_paint.palette import CELLS, Cell, Wish
@@ -31,6 +31,9 @@ class View:
         self.canvas = Canvas(*size, placed.placing)
         self._sheet = pygame.Surface(size, depth=24)
         self._sheet.fill(PAPER)
+        self._font = pygame.font.Font(None, max(16, size[1] // 42))
+        self._strips: list[tuple[pygame.Surface, pygame.Rect]] = []
+        self._chosen: tuple[Brush, Colour] | None = None
 
     def take(self, news: list[News], painter: Painter) -> None:
         """Bring the paper up to date."""
@@ -48,15 +51,16 @@ class View:
     ) -> None:
         """The whole picture; `note` is a line of words at its lower edge."""
         screen.blit(self._sheet, (0, 0))
-        font = pygame.font.Font(None, max(16, self.size[1] // 42))
-        for cell in CELLS:
-            chosen = cell.means in (painter.brush, painter.colour)
-            self._cell(screen, font, cell, painter, chosen)
+        if self._chosen != (painter.brush, painter.colour):
+            self._chosen = painter.brush, painter.colour
+            self._strips = [self._strip(left, painter) for left in (True, False)]
+        for strip, place in self._strips:
+            screen.blit(strip, place)
         for finger in fingers:
             if not finger.touching and finger.hover_mm < NEAR_MM:
                 self._ring(screen, painter, finger)
         if note:
-            words = font.render(note, True, INK)
+            words = self._font.render(note, True, INK)
             screen.blit(words, words.get_rect(midbottom=(self.size[0] / 2, self.size[1] - 8)))
 
     def _copy(self, box: Box | None) -> None:
@@ -65,14 +69,17 @@ class View:
             pixels[box[1], box[0]] = self.canvas.pixels[box].swapaxes(0, 1)
             del pixels  # It holds a lock on the sheet.
 
-    def _cell(
-        self,
-        screen: pygame.Surface,
-        font: pygame.font.Font,
-        cell: Cell,
-        painter: Painter,
-        chosen: bool,
-    ) -> None:
+    def _strip(self, left: bool, painter: Painter) -> tuple[pygame.Surface, pygame.Rect]:
+        """One side of the palette, drawn when a choice was made, and where it goes."""
+        sheet = pygame.Surface(self.size, pygame.SRCALPHA)
+        for cell in CELLS:
+            if (cell.area[0] < 0.5) == left:
+                chosen = cell.means in (painter.brush, painter.colour)
+                self._cell(sheet, cell, painter, chosen)
+        place = sheet.get_bounding_rect()
+        return sheet.subsurface(place).copy(), place
+
+    def _cell(self, screen: pygame.Surface, cell: Cell, painter: Painter, chosen: bool) -> None:
         left, far, right, near = cell.area
         corners = [
             self._pixel(u, v) for u, v in ((left, far), (right, far), (right, near), (left, near))
@@ -83,7 +90,7 @@ class View:
         if isinstance(cell.means, Brush):
             self._sample(screen, cell.means, painter, centre, scale)
         elif isinstance(cell.means, Wish):
-            words = font.render(cell.means.value, True, INK)
+            words = self._font.render(cell.means.value, True, INK)
             screen.blit(words, words.get_rect(center=centre))
         else:
             pygame.draw.aacircle(screen, cell.means, centre, 7.0 * scale)

@@ -58,24 +58,29 @@ class Stroke:
     knots: list[Knot] = field(default_factory=list)
     pieces: list[Piece] = field(default_factory=list)
     done: bool = False
+    _seen: tuple[float, float] = (0.0, 0.0)
     _time_us: int = 0
     _along_mm: float = 0.0
     _reached: tuple[float, float, float] | None = None
 
     def add(self, x: float, y: float, pressure: float, time_us: int) -> None:
         """The finger was seen here; grows the curve to half way from the last place."""
+        # Half way from the place before: what trembles from frame to frame cancels out.
+        before = self._seen if self.knots else (x, y)
+        self._seen = (x, y)
+        x, y = (x + before[0]) / 2, (y + before[1]) / 2
         self._knot(x, y, pressure, time_us)
         if len(self.knots) == 1:
             self._reached = (x, y, self.knots[0].pressure)
         else:
-            before, now = self.knots[-2:]
-            self._curve_to(before, _middle(before, now))
+            last, now = self.knots[-2:]
+            self._curve_to(last, _middle(last, now))
 
     def end(self) -> None:
         """The finger left; draws the rest of the way to where it was last."""
         if not self.done and self.knots:
             last = self.knots[-1]
-            self._curve_to(last, (last.x, last.y, last.pressure))
+            self._curve_to(last, (*self._seen, last.pressure))
         self.done = True
 
     def _knot(self, x: float, y: float, pressure: float, time_us: int) -> None:

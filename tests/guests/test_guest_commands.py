@@ -145,7 +145,7 @@ def test_the_help_is_for_those_who_play(run: Run, guest: str, word: str) -> None
 @pytest.mark.slow
 def test_a_demo_starts_both_and_ctrl_c_ends_both(run: Run) -> None:
     process = run("halo", "demo", "drums", "--silent")
-    said(process, "Ctrl-C ends", 60.0)
+    said(process, "frames come", 60.0)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
     assert len(children) == 2
     process.send_signal(signal.SIGINT)

@@ -17,6 +17,7 @@ examples:
   halo serve                                a Kinect if one is plugged in, else the virtual one
   halo serve --source recording:take.mkv    a recording, at its own pace
   halo calibrate --profile desk             teach the service your table and your finger
+  halo demo drums                           drums (or paint) without a camera
   halo monitor                              what a running service sends, in the terminal
   halo replay take.mkv --profile desk --jsonl take.jsonl
 """
@@ -29,6 +30,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from halo_tools.monitor import main as monitor
 
         return monitor(arguments[1:])
+    if arguments[:1] == ["demo"]:
+        from halo_service.app.demo import main as demo
+
+        return demo(arguments[1:])
     options = _parser().parse_args(arguments)
     logging.basicConfig(
         level=logging.DEBUG if options.debug else logging.INFO,
@@ -79,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     doctor.add_argument("--source", metavar="S", help="as for serve")
     doctor.set_defaults(run=_doctor)
     verbs.add_parser("monitor", help="show what a service sends", add_help=False)
+    verbs.add_parser("demo", help="play drums or paint, without a camera", add_help=False)
     return parser
 
 
@@ -308,3 +314,7 @@ def _replay(options: argparse.Namespace) -> int:
     count = replay(options.recording, options.jsonl, replace(settings, profile=profile))
     print(f"halo: {count} frames", file=sys.stderr)
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

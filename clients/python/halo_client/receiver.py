@@ -7,19 +7,24 @@ Rule: here alone is a clock read. What bytes mean is `halo_protocol`'s; how they
 from __future__ import annotations
 
 import logging
+import math
+import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol, Self, overload
 
+from halo_client.errors import EndOfStream
 from halo_client.known import Known
-from halo_protocol import Assembler, Event, Lost, ProtocolError, TouchFrame
+from halo_protocol import VERSION, Assembler, Event, Lost, ProtocolError, TouchFrame
 
 _LOG = logging.getLogger("halo_client")
 _TICK_S = 0.25
 """How often silence is looked for while nothing comes."""
 _SENDERS = 256
 """Senders of bad datagrams that are told; a forger of addresses cannot fill the log."""
+_MAJOR = int(VERSION.partition(".")[0])
+_ADDRESS = re.compile(rb"/halo/(\d{1,4})/")
 
 
 class Input(Protocol):
@@ -28,7 +33,10 @@ class Input(Protocol):
     url: str
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next datagram and who sent it, or None after so many seconds."""
+        """The next datagram and who sent it, or None after so many seconds.
+
+        `EndOfStream` where nothing will ever come again.
+        """
 
     def close(self) -> None:
         """Let go of what was opened. May be called twice."""
@@ -46,6 +54,8 @@ class Losses:
     """Parts that came late or twice."""
     bad: int = 0
     """Datagrams that were no protocol."""
+    foreign: int = 0
+    """Datagrams of another major version of the protocol."""
 
 
 class Receiver:
@@ -56,6 +66,8 @@ class Receiver:
         self._assembler = Assembler()
         self._warned: set[str] = set()
         self.losses = Losses()
+        self.ended = False
+        """Whether a recorded stream is over; its open touches were ended then."""
         self.known = Known()
         """The latest scene, homography, pose and health of each service's surface."""
 
@@ -70,8 +82,11 @@ class Receiver:
         Each is a `TouchFrame`, a `Report` (scene, homography, pose, health) or a `Lost`. Call
         it at least a few times a second: it also finds out who has gone silent.
         """
-        received = self._source.receive(timeout_s)
-        now_s = time.monotonic()
+        try:
+            received = self._source.receive(timeout_s)
+        except EndOfStream:
+            received, self.ended = None, True
+        now_s = math.inf if self.ended else time.monotonic()
         events = self._read(*received, now_s) if received else self._assembler.expire(now_s)
         for event in events:
             self._remember(event)
@@ -83,9 +98,12 @@ class Receiver:
     @overload
     def frames(self, timeout_s: float) -> Iterator[TouchFrame | None]: ...
     def frames(self, timeout_s: float | None = None) -> Iterator[TouchFrame | None]:
-        """Each frame as it is there; with a timeout, None whenever none came for so long."""
+        """Each frame as it is there; with a timeout, None whenever none came for so long.
+
+        It ends with a recorded stream, and never else.
+        """
         quiet_since_s = time.monotonic()
-        while True:
+        while not self.ended:
             frames = [e for e in self.poll(self._patience(timeout_s)) if isinstance(e, TouchFrame)]
             yield from frames
             now_s = time.monotonic()
@@ -105,13 +123,30 @@ class Receiver:
 
     def _read(self, datagram: bytes, sender: str, now_s: float) -> list[Event]:
         try:
-            return self._assembler.receive_data(datagram, now_s)
+            events = self._assembler.receive_data(datagram, now_s)
+            if not events:
+                self._look_for_another_major(datagram)
+            return events
         except ProtocolError as error:
             self.losses.bad += 1
             if sender not in self._warned and len(self._warned) < _SENDERS:
                 self._warned.add(sender)
                 _LOG.warning("skipping bad datagrams from %s: %s", sender, error)
             return self._assembler.expire(now_s)
+
+    def _look_for_another_major(self, datagram: bytes) -> None:
+        found = _ADDRESS.search(datagram)
+        if found is None or int(found[1]) == _MAJOR:
+            return
+        self.losses.foreign += 1
+        if self.losses.foreign == 1:
+            _LOG.warning(
+                "a service at %s speaks protocol %d, and this program speaks %d: "
+                "use versions of both that belong together",
+                self.url,
+                int(found[1]),
+                _MAJOR,
+            )
 
     def _remember(self, event: Event) -> None:
         if isinstance(event, TouchFrame):

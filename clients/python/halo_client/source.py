@@ -6,6 +6,7 @@ Rule: text in, frozen values out; nothing is opened here. Each refusal names wha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from halo_client.errors import ClientError
@@ -14,6 +15,8 @@ from halo_protocol import ANY, ProtocolError, check_name, check_surface
 DEFAULT_SOURCE = "osc://127.0.0.1:9000"
 DEFAULT_OSC_PORT = 9000
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
+RECORDED = ".jsonl"
+"""How the name of a recorded stream ends."""
 _EXAMPLES = f"{DEFAULT_SOURCE} or zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
 
 
@@ -45,13 +48,27 @@ class ZenohSource:
     """Receive this surface only."""
 
 
-def parse_source(url: str) -> OscSource | ZenohSource:
-    """`osc://HOST:PORT` or `zenoh://?connect=...` as a value; `ClientError` otherwise.
+@dataclass(frozen=True, slots=True)
+class FileSource:
+    """A recorded stream, as `halo replay --jsonl` or `halo-monitor --json` wrote it."""
+
+    path: Path
+    paced: bool = True
+    """Whether frames come at the times they were taken at, or as fast as they are asked for."""
+
+
+Source = OscSource | ZenohSource | FileSource
+
+
+def parse_source(url: str) -> Source:
+    """`osc://HOST:PORT`, `zenoh://?connect=...` or `FILE.jsonl` as a value, else `ClientError`.
 
     Zenoh's settings: `connect` and `listen` (any number of each), `multicast=on|off`,
     `mode=peer|client`, `node`, `surface`. Without `connect` and with multicast off it is the
     service on this machine.
     """
+    if url.endswith(RECORDED) and "://" not in url:
+        return FileSource(Path(url))
     try:
         parts = urlsplit(url)
         port = parts.port
@@ -61,7 +78,7 @@ def parse_source(url: str) -> OscSource | ZenohSource:
         return _osc(url, parts, port)
     if parts.scheme == "zenoh":
         return _zenoh(url, parts)
-    raise ClientError(f"unknown source {url!r}; use {_EXAMPLES}")
+    raise ClientError(f"unknown source {url!r}; use {_EXAMPLES}, or a file FILE{RECORDED}")
 
 
 def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:

@@ -17,6 +17,10 @@ from halo_client.errors import ClientError
 from halo_client.source import ZenohSource
 from halo_protocol import ANY, zenoh_key
 
+_OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
+_OTHERS = "halo/*/*/*/scene"
+"""Scenes of any major version: a service that speaks another one shall not be plain silence."""
+
 RING = 256
 """Samples that wait at most: some seconds of one service's."""
 
@@ -34,6 +38,7 @@ class ZenohInput:
             raise ClientError(_cannot_open(source, error)) from error
         key = zenoh_key(source.node, source.surface, ANY)
         self._subscriber = self._session.declare_subscriber(key, self._keep)
+        self._foreign = self._session.declare_subscriber(_OTHERS, self._keep_foreign)
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
@@ -48,12 +53,17 @@ class ZenohInput:
         if not self._closed:
             self._closed = True
             self._subscriber.undeclare()
+            self._foreign.undeclare()
             self._session.close()
 
     def _keep(self, sample: zenoh.Sample) -> None:
         with self._arrived:
             self._ring.append((sample.payload.to_bytes(), str(sample.key_expr)))
             self._arrived.notify()
+
+    def _keep_foreign(self, sample: zenoh.Sample) -> None:
+        if str(sample.key_expr).split("/")[:2] != _OWN:
+            self._keep(sample)
 
     def __enter__(self) -> Self:
         return self

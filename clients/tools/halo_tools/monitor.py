@@ -16,9 +16,9 @@ import time
 from typing import TextIO
 
 import halo_client
-from halo_client import ClientError, Receiver
+from halo_client import ClientError, Receiver, waiting
 from halo_protocol import Event, TouchFrame, event_to_json
-from halo_tools.monitor_view import View, waiting
+from halo_tools.monitor_view import View
 
 _TICK_S = 0.1
 _PIPED_TICK_S = 1.0
@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="URL",
-        help="osc://127.0.0.1:9000 (default) or zenoh://?connect=tcp/127.0.0.1:7447",
+        help="osc://127.0.0.1:9000 (default), zenoh://?connect=tcp/127.0.0.1:7447 or FILE.jsonl",
     )
     parser.add_argument("--json", action="store_true", help="a line of JSON for each event")
     parser.add_argument("--frames", type=_positive_int, metavar="N", help="end after N frames")
@@ -82,7 +82,7 @@ def _run(receiver: Receiver, options: argparse.Namespace) -> int:
     began_s = time.monotonic()
     frames = 0
     try:
-        while options.frames is None or frames < options.frames:
+        while not receiver.ended and (options.frames is None or frames < options.frames):
             if options.seconds is not None and time.monotonic() - began_s >= options.seconds:
                 break
             events = receiver.poll(_TICK_S)

@@ -9,7 +9,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 
-from halo_client import Known, Losses
+from halo_client import Known, Losses, waiting
 from halo_protocol import (
     VERSION,
     Calibration,
@@ -94,14 +94,6 @@ class View:
             stream.arrivals_s.popleft()
             stream.latencies_ms.popleft()
         stream.events += [_event_words(event) for event in frame.events]
-
-
-def waiting(url: str) -> str:
-    """What to say while nothing comes."""
-    return (
-        f"waiting: no frames at {url} yet; is `halo serve` running, and does it send here? "
-        "Ctrl-C ends"
-    )
 
 
 def latency_ms(frame: TouchFrame, unix_us: int) -> float | None:

@@ -1,0 +1,167 @@
+"""`halo-drums`: tap to play, hover to shape, press to bend.
+
+Rule: the rim. It opens what plays and shows, and hands frames to the core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Protocol
+
+import halo_client
+from halo_client import ClientError, FileSource, Receiver
+from halo_drums.bank import make_bank
+from halo_drums.kit import KIT, Pad, Settings, mirrored
+from halo_drums.player import Gesture, Player
+from halo_protocol import TouchFrame
+from halo_window import Stage, StageError, add_stage_options, listen
+
+NAME = "halo-drums"
+DESCRIPTION = "Drums on any table: tap with one hand, shape the sound with the other."
+EPILOG = """\
+how to play:
+  tap            a pad; faster is louder and brighter
+  other hand     hover low for a deep, heavy sound, high for a sharp, snappy one
+  keep pressing  bends the toms and the kick, mutes the snare and the hats
+
+examples:
+  halo-drums                                    play what `halo serve` sends to this machine
+  halo-drums --full-screen --display 1          on the projector, pads under your fingers
+  halo-drums --midi fluid                       play a sampler instead, on MIDI channel 10
+  halo-drums --from take.jsonl --render it.wav  a recorded stream as a file of sound
+"""
+
+
+class Instrument(Protocol):
+    """What sounds: the speakers, or a MIDI port."""
+
+    def send(self, gesture: Gesture) -> None:
+        """Let a gesture be heard."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command. 0: it ended as asked; 2: it could not begin, and said why."""
+    options = _parser().parse_args(argv)
+    logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
+    kit = mirrored(KIT) if options.left_handed else KIT
+    settings = Settings(low_mm=options.low, high_mm=options.high)
+    from halo_drums.midi import MidiError
+    from halo_drums.speakers import SoundError
+
+    try:
+        if options.render or options.picture:
+            return _render(options, kit, settings)
+        return _play(options, kit, settings)
+    except (ClientError, SoundError, MidiError, StageError, OSError) as error:
+        print(f"{NAME}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=NAME,
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_stage_options(parser)
+    parser.add_argument("--no-window", action="store_true", help="sound only")
+    parser.add_argument("--midi", metavar="PORT", help="play this MIDI port, not the speakers")
+    parser.add_argument(
+        "--silent", action="store_true", help="a sound device that nobody hears, to try without one"
+    )
+    parser.add_argument("--left-handed", action="store_true", help="snare and kick on the left")
+    known = Settings()
+    parser.add_argument(
+        "--low", type=float, default=known.low_mm, metavar="MM", help="height that is all deep"
+    )
+    parser.add_argument(
+        "--high", type=float, default=known.high_mm, metavar="MM", help="height that is all sharp"
+    )
+    parser.add_argument(
+        "--render", type=Path, metavar="OUT.wav", help="write the sound of --from FILE.jsonl"
+    )
+    parser.add_argument(
+        "--picture", type=Path, metavar="OUT.png", help="write its loudest moment as a picture"
+    )
+    return parser
+
+
+def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
+    from halo_drums.render import render, write_wav
+    from halo_drums.view import write_picture
+
+    source = halo_client.parse_source(options.source)
+    if not isinstance(source, FileSource):
+        raise ClientError("--render and --picture need a recorded stream: --from FILE.jsonl")
+    frames = list(halo_client.frames(FileSource(source.path, paced=False)))
+    if options.render:
+        write_wav(options.render, render(frames, kit, settings))
+    if options.picture:
+        player = Player(kit, settings)
+        gestures = [gesture for frame in frames for gesture in player.take(frame)]
+        write_picture(options.picture, kit, gestures)
+    return 0
+
+
+def _play(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
+    with ExitStack() as stack:
+        receiver = stack.enter_context(halo_client.receive(options.source))
+        instrument = _instrument(options, kit, settings, stack)
+        stage = None
+        if not options.no_window:
+            stage = stack.enter_context(Stage(NAME, options.full_screen, options.display))
+        _run(receiver, Player(kit, settings), instrument, stage, kit)
+    return 0
+
+
+def _instrument(
+    options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings, stack: ExitStack
+) -> Instrument:
+    if options.midi:
+        from halo_drums.midi import MidiOut
+
+        return stack.enter_context(MidiOut(options.midi))
+    import miniaudio
+
+    from halo_drums.mixer import Mixer
+    from halo_drums.speakers import Speakers
+
+    backends = [miniaudio.Backend.NULL] if options.silent else []
+    return stack.enter_context(Speakers(Mixer(make_bank(kit), settings), backends))
+
+
+def _run(
+    receiver: Receiver,
+    player: Player,
+    instrument: Instrument,
+    stage: Stage | None,
+    kit: tuple[Pad, ...],
+) -> None:
+    from halo_drums.view import View
+
+    view = View(kit)
+
+    def take(frame: TouchFrame, now_s: float) -> None:
+        for gesture in player.take(frame):
+            instrument.send(gesture)
+            view.take(gesture, now_s)
+
+    def draw(now_s: float, note: str) -> None:
+        if stage is not None:
+            stage.pressed()
+            view.draw(stage.screen, stage.placed(receiver.known), now_s, note)
+            stage.show()
+
+    listen(NAME, receiver, stage, take, draw)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

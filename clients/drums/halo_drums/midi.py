@@ -1,0 +1,88 @@
+"""The drums as MIDI, so that any sampler can be the sound.
+
+Rule: `messages` is pure; only `MidiOut` touches a port. Channel 10 and General MIDI's notes, so
+that most samplers play the right drum at once.
+"""
+
+from __future__ import annotations
+
+from typing import Self
+
+import mido
+
+from halo_drums.player import Gesture, Hit, Release, Shape
+from halo_drums.quiet import quiet
+
+CHANNEL = 9
+"""Channel 10, as people count."""
+BRIGHTNESS = 74
+"""The controller that synthesizers take for brightness: the hovering hand's height."""
+
+
+class MidiError(Exception):
+    """There is no such port. The message is meant for the user."""
+
+
+class Notes:
+    """Which note each touch holds."""
+
+    def __init__(self) -> None:
+        self._held: dict[object, int] = {}
+
+    def messages(self, gesture: Gesture) -> list[mido.Message]:
+        """What a gesture is in MIDI."""
+        if isinstance(gesture, Hit):
+            self._held[gesture.key] = gesture.pad.note
+            return [_message("note_on", note=gesture.pad.note, velocity=_seven(gesture.level))]
+        if isinstance(gesture, Shape):
+            value = _seven(gesture.height)
+            return [_message("control_change", control=BRIGHTNESS, value=value)]
+        note = self._held.get(gesture.key)
+        if note is None:
+            return []
+        if isinstance(gesture, Release):
+            del self._held[gesture.key]
+            return [_message("note_off", note=note)]
+        return [_message("polytouch", note=note, value=_seven(min(gesture.amount, 1.0)))]
+
+
+class MidiOut:
+    """An open port. A context manager; `MidiError` where it cannot be opened."""
+
+    def __init__(self, name: str) -> None:
+        try:
+            with quiet():
+                known = mido.get_output_names()
+        except (ImportError, OSError, SystemError) as error:
+            raise MidiError(f"MIDI is not available on this machine ({error})") from error
+        match = [port for port in known if name.lower() in port.lower()]
+        if not match:
+            listed = ", ".join(known) or "none; start your sampler first"
+            raise MidiError(f"no MIDI port is called {name!r}; there are: {listed}")
+        self._notes = Notes()
+        self._port = mido.open_output(match[0])
+
+    def send(self, gesture: Gesture) -> None:
+        """Say a gesture."""
+        for message in self._notes.messages(gesture):
+            self._port.send(message)
+
+    def close(self) -> None:
+        """End all notes, and let go of the port."""
+        self._port.reset()
+        self._port.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _message(kind: str, **values: int) -> mido.Message:
+    return mido.Message(kind, channel=CHANNEL, **values)
+
+
+def _seven(value: float) -> int:
+    """0 to 1 in MIDI's seven bits; what sounds at all is never 0, which would end a note."""
+    return max(1, min(127, round(127 * value)))

@@ -1,0 +1,162 @@
+"""From gestures to sound, a block at a time.
+
+Rule: pure and without a clock; it belongs to one thread. All that changes inside a block is
+ramped, from where it was at its beginning: nothing jumps, so nothing clicks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_client import TouchKey
+from halo_drums.bank import Bank, Take
+from halo_drums.kit import Pad, Settings
+from halo_drums.player import Gesture, Hit, Press, Release, Shape
+from halo_drums.voices import RATE
+
+BLOCK = 256
+"""Samples that are made at once, 5.3 ms."""
+VOICES = 24
+"""Sounds at once; past it the oldest is faded out."""
+LEVEL = 0.8
+"""Of one loud hit before the limiter."""
+CEILING = 0.97
+"""Peaks stay below it whatever is played."""
+TUNING = 5.0
+"""Semitones between the lowest hand and the highest."""
+BRIGHTNESS = 0.3
+"""How much sharper the hardest strike is than the softest, over the hand's whole height."""
+FADE_S = 0.012
+"""A sound that is choked or has no voice left fades out in so long."""
+GLIDE_S = 0.03
+"""How fast the sound follows the hand, which is seen thirty times a second."""
+
+Block = NDArray[np.float32]
+"""(BLOCK, 2): left, right, within -1 to 1."""
+
+_STEPS = np.arange(1, BLOCK + 1, dtype=np.float32) / BLOCK
+
+
+@dataclass(slots=True)
+class _Voice:
+    """A take that rings."""
+
+    key: TouchKey
+    pad: Pad
+    take: Take
+    level: float
+    mix: tuple[float, float]
+    """Of the deep and of the sharp layer, as the last block ended."""
+    rate: float
+    """Samples of the take to one of sound, likewise."""
+    gain: float = 1.0
+    """Likewise: what press and choke leave."""
+    at: float = 0.0
+    """Place in the take."""
+    wait: int = 0
+    """Samples until it begins."""
+    pressed: float = 0.0
+    fading: bool = False
+
+
+@dataclass(slots=True)
+class Mixer:
+    """All that sounds."""
+
+    bank: Bank
+    settings: Settings = field(default_factory=Settings)
+    _voices: list[_Voice] = field(default_factory=list)
+    _height: float = 0.0
+    _target: float = 0.0
+    _hits: int = 0
+
+    def __post_init__(self) -> None:
+        self._height = self._target = self.settings.resting
+
+    @property
+    def sounding(self) -> int:
+        """Voices that ring."""
+        return len(self._voices)
+
+    def take(self, gesture: Gesture, offset: int = 0) -> None:
+        """Let a gesture be heard, `offset` samples after the next block's begin (hits only)."""
+        if isinstance(gesture, Hit):
+            self._strike(gesture, offset)
+        elif isinstance(gesture, Shape):
+            self._target = gesture.height
+        else:
+            amount = gesture.amount if isinstance(gesture, Press) else 0.0
+            for voice in self._voices:
+                # A mute stays when the finger leaves; a bend goes back.
+                if voice.key == gesture.key and not isinstance(gesture, Release):
+                    voice.pressed = amount
+                elif voice.key == gesture.key and voice.pad.mute < 1.0:
+                    voice.pressed = 0.0
+
+    def block(self) -> Block:
+        """The next samples."""
+        self._height += (self._target - self._height) * (1 - np.exp(-BLOCK / (GLIDE_S * RATE)))
+        out = np.zeros((BLOCK, 2), np.float32)
+        for voice in self._voices:
+            self._ring(voice, out)
+        self._voices = [voice for voice in self._voices if not _over(voice)]
+        limited: Block = CEILING * np.tanh(out)
+        return limited
+
+    def _strike(self, hit: Hit, offset: int) -> None:
+        for voice in self._voices:
+            if voice.pad.name in hit.pad.chokes or (
+                voice.pad.name == hit.pad.name and voice.pressed
+            ):
+                voice.fading = True
+        lively = [voice for voice in self._voices if not voice.fading]
+        for voice in lively[: max(0, len(lively) - VOICES + 1)]:
+            voice.fading = True
+        takes = self.bank[hit.pad.name]
+        self._hits += 1
+        voice = _Voice(hit.key, hit.pad, takes[self._hits % len(takes)], hit.level, (0.0, 0.0), 1.0)
+        voice.mix, voice.rate, voice.wait = self._mix(voice), self._rate(voice), offset
+        self._voices.append(voice)
+
+    def _mix(self, voice: _Voice) -> tuple[float, float]:
+        """How much of either layer: equal power, so that the hand changes colour, not loudness."""
+        sharp = self._height + BRIGHTNESS * (voice.level - 0.6)
+        angle = np.pi / 2 * min(max(sharp, 0.0), 1.0)
+        return float(np.cos(angle)), float(np.sin(angle))
+
+    def _rate(self, voice: _Voice) -> float:
+        semitones = TUNING * (self._height - 0.5) + voice.pad.bend * voice.pressed
+        return float(2 ** (semitones / 12))
+
+    def _gain(self, voice: _Voice) -> float:
+        if voice.fading:
+            return max(0.0, voice.gain - BLOCK / (FADE_S * RATE))
+        wanted = 1 - voice.pad.mute * min(voice.pressed, 1.0)
+        return voice.gain + 0.35 * (wanted - voice.gain)
+
+    def _ring(self, voice: _Voice, out: Block) -> None:
+        mix, rate, gain = self._mix(voice), self._rate(voice), self._gain(voice)
+        steps = _STEPS[: BLOCK - voice.wait]
+        places = voice.at + np.cumsum(voice.rate + (rate - voice.rate) * steps, dtype=np.float64)
+        # The take's first sample is at place 0, and its own; later ones lie between two.
+        places -= places[0] - voice.at
+        heard = places[places < len(voice.take) - 1]
+        whole = heard.astype(np.intp)
+        part = (heard - whole).astype(np.float32)[:, None]
+        both = voice.take[whole] * (1 - part) + voice.take[whole + 1] * part
+        ramp = steps[: len(heard), None]
+        deep = voice.mix[0] + (mix[0] - voice.mix[0]) * ramp
+        sharp = voice.mix[1] + (mix[1] - voice.mix[1]) * ramp
+        loud = LEVEL * voice.level * (voice.gain + (gain - voice.gain) * ramp)
+        out[voice.wait : voice.wait + len(heard)] += loud * (
+            deep * both[:, :2] + sharp * both[:, 2:]
+        )
+        voice.at = float(places[-1] + rate)
+        voice.mix, voice.rate, voice.gain, voice.wait = mix, rate, gain, 0
+
+
+def _over(voice: _Voice) -> bool:
+    return voice.at >= len(voice.take) - 1 or (voice.fading and voice.gain <= 0.0)

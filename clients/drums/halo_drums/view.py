@@ -1,0 +1,117 @@
+"""What the drummer sees: pads that light up, and the other hand's height.
+
+Rule: it draws what it is told, on any pygame surface, and reads no clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pygame
+
+from halo_client import Placing
+from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_drums.kit import Pad
+from halo_drums.player import Gesture, Hit, Shape
+from halo_window import Placed
+
+BACKGROUND = (14, 14, 18)
+GLOW_S = 0.45
+"""A pad that was hit glows for so long."""
+RING_S = 0.6
+LOW, HIGH = pygame.Color(70, 110, 255), pygame.Color(255, 235, 150)
+"""The hovering hand: deep or sharp."""
+
+
+@dataclass(slots=True)
+class View:
+    """What is to be seen now."""
+
+    kit: tuple[Pad, ...]
+    _hits: list[tuple[float, Hit]] = field(default_factory=list)
+    _height: float | None = None
+
+    def take(self, gesture: Gesture, now_s: float) -> None:
+        """Remember what shows."""
+        if isinstance(gesture, Hit):
+            self._hits.append((now_s, gesture))
+        elif isinstance(gesture, Shape):
+            self._height = gesture.height
+
+    def draw(self, screen: pygame.Surface, placed: Placed, now_s: float, note: str = "") -> None:
+        """The whole picture; `note` is a line of words at its lower edge."""
+        self._hits = [(at_s, hit) for at_s, hit in self._hits if now_s - at_s < RING_S]
+        screen.fill(BACKGROUND)
+        font = pygame.font.Font(None, max(18, screen.get_height() // 28))
+        for pad in self.kit:
+            self._pad(screen, placed, font, pad, now_s)
+        for at_s, hit in self._hits:
+            self._ring(screen, placed, hit, (now_s - at_s) / RING_S)
+        if self._height is not None:
+            self._hand(screen, self._height)
+        if note:
+            words = font.render(note, True, (200, 200, 200))
+            screen.blit(words, (12, screen.get_height() - words.get_height() - 8))
+
+    def _pad(
+        self,
+        screen: pygame.Surface,
+        placed: Placed,
+        font: pygame.font.Font,
+        pad: Pad,
+        now_s: float,
+    ) -> None:
+        glow = max(
+            (
+                hit.level * max(0.0, 1 - (now_s - at_s) / GLOW_S)
+                for at_s, hit in self._hits
+                if hit.pad.name == pad.name
+            ),
+            default=0.0,
+        )
+        left, far, right, near = pad.area
+        gap = 0.008
+        inset = ((left + gap, far + gap), (right - gap, far + gap),
+                 (right - gap, near - gap), (left + gap, near - gap))  # fmt: skip
+        corners = [self._pixel(placed, u, v) for u, v in inset]
+        light = 0.2 + 0.8 * glow
+        pygame.draw.polygon(screen, [round(light * part) for part in pad.colour], corners)
+        pygame.draw.aalines(screen, pad.colour, True, corners)
+        words = font.render(pad.name, True, (0, 0, 0) if glow > 0.5 else (235, 235, 235))
+        centre = self._pixel(placed, (left + right) / 2, (far + near) / 2)
+        screen.blit(words, words.get_rect(center=centre))
+
+    def _ring(self, screen: pygame.Surface, placed: Placed, hit: Hit, age: float) -> None:
+        x, y = self._pixel(placed, hit.u, hit.v)
+        scale = placed.placing.scale(hit.u * placed.width_mm, hit.v * placed.height_mm)
+        radius = scale * (4.0 + 22.0 * hit.level * age)
+        light = [round(255 * (1 - age) + part * age) for part in hit.pad.colour]
+        pygame.draw.aacircle(screen, light, (x, y), radius, max(1, round(scale * 1.5 * (1 - age))))
+
+    def _hand(self, screen: pygame.Surface, height: float) -> None:
+        """A bar at the left edge: as high as the hand, deep blue to bright."""
+        width, tall = max(6, screen.get_width() // 90), screen.get_height()
+        length = max(4, round(height * tall))
+        pygame.draw.rect(screen, LOW.lerp(HIGH, height), (0, tall - length, width, length))
+
+    @staticmethod
+    def _pixel(placed: Placed, u: float, v: float) -> tuple[float, float]:
+        return placed.placing.pixel(u * placed.width_mm, v * placed.height_mm)
+
+
+def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture]) -> None:
+    """A PNG of the moment after the loudest hit. `OSError` where it cannot be written."""
+    hits = [gesture for gesture in gestures if isinstance(gesture, Hit)]
+    moment_us = max(hits, key=lambda hit: hit.level).time_us + 90_000 if hits else 0
+    view = View(kit)
+    for gesture in gestures:
+        if gesture.time_us <= moment_us:
+            view.take(gesture, gesture.time_us / 1e6)
+    pygame.font.init()
+    screen = pygame.Surface((1200, 800))
+    placing = Placing.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)
+    view.draw(screen, Placed(placing, WIDTH_MM, HEIGHT_MM), moment_us / 1e6)
+    with path.open("wb") as file:
+        pygame.image.save(screen, file, "x.png")

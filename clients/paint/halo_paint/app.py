@@ -1,0 +1,165 @@
+"""`halo-paint`: paint with a finger; the harder it presses, the stronger the stroke.
+
+Rule: the rim. It opens what shows, hands frames to the core, and saves.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import pygame
+
+import halo_client
+from halo_client import ClientError, FileSource, Receiver
+from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_paint.brushes import BRUSHES
+from halo_paint.painter import Change, Painter
+from halo_paint.render import KINDS, painted, save
+from halo_paint.view import View
+from halo_protocol import Pointer, TouchFrame
+from halo_window import Stage, StageError, add_stage_options, listen
+
+NAME = "halo-paint"
+DESCRIPTION = "Paint on any table: the harder you press, the wider and denser the stroke."
+EPILOG = """\
+how to paint:
+  touch and draw     light for a fine line, hard for a broad one, and all between in one stroke
+  left edge          colours
+  right edge         brush, pen, calligraphy; undo, clear, save
+  keys               u undo, c clear, s save (as PNG and SVG), q or Escape ends
+
+examples:
+  halo-paint                                     paint with what `halo serve` sends here
+  halo-paint --full-screen --display 1           on the projector, paint under your finger
+  halo-paint --from take.jsonl --render it.svg   a recorded stream as a picture (.png or .svg)
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command. 0: it ended as asked; 2: it could not begin, and said why."""
+    options = _parser().parse_args(argv)
+    logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
+    brush = next(each for each in BRUSHES if each.name == options.brush)
+    painter = Painter(brush=brush, vary=options.vary)
+    try:
+        if options.render:
+            return _render(options, painter)
+        with ExitStack() as stack:
+            receiver = stack.enter_context(halo_client.receive(options.source))
+            stage = stack.enter_context(Stage(NAME, options.full_screen, options.display))
+            App(receiver, stage, painter, options.save_to).run()
+        return 0
+    except (ClientError, StageError, OSError) as error:
+        print(f"{NAME}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 0
+
+
+class App:
+    """The window and what is painted in it."""
+
+    def __init__(self, receiver: Receiver, stage: Stage, painter: Painter, folder: Path) -> None:
+        self._receiver, self._stage, self._painter = receiver, stage, painter
+        self._folder = folder
+        self._fingers: tuple[Pointer, ...] = ()
+        self._view = View(stage.screen.get_size(), stage.placed(receiver.known))
+        self._said, self._said_s = "", 0.0
+
+    def run(self) -> None:
+        """Until the window is closed."""
+        listen(NAME, self._receiver, self._stage, self._take, self._draw)
+
+    def _take(self, frame: TouchFrame, now_s: float) -> None:
+        self._fingers = frame.pointers
+        news = self._painter.take(frame)
+        self._view.take(news, self._painter)
+        if any(change is Change.SAVE for change, _ in news):
+            self._save(now_s)
+
+    def _draw(self, now_s: float, note: str) -> None:
+        for key in self._stage.pressed():
+            self._key(key, now_s)
+        self._fit()
+        said = self._said if now_s - self._said_s < 4.0 else ""
+        self._view.draw(self._stage.screen, self._painter, self._fingers, note or said)
+        self._stage.show()
+
+    def _key(self, key: int, now_s: float) -> None:
+        if key == pygame.K_u:
+            self._view.take(self._painter.undo(), self._painter)
+        elif key == pygame.K_c:
+            self._view.take(self._painter.clear(), self._painter)
+        elif key == pygame.K_s:
+            self._save(now_s)
+
+    def _fit(self) -> None:
+        """Paint anew where the window or what the projector shows has changed."""
+        size, placed = self._stage.screen.get_size(), self._stage.placed(self._receiver.known)
+        if (size, placed) != (self._view.size, self._view.placed):
+            self._painter.size_mm = (placed.width_mm, placed.height_mm)
+            self._view = View(size, placed)
+            self._view.take([(Change.UNDONE, None)], self._painter)
+
+    def _save(self, now_s: float) -> None:
+        name = time.strftime("painting-%Y%m%d-%H%M%S")
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            for kind in KINDS:
+                save(self._folder / (name + kind), self._painter.strokes, *self._painter.size_mm)
+        except OSError as error:
+            self._said = f"could not save ({error})"
+        else:
+            self._said = f"saved {self._folder / name}.png and .svg"
+        self._said_s = now_s
+        print(f"{NAME}: {self._said}", file=sys.stderr)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=NAME,
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_stage_options(parser)
+    parser.add_argument(
+        "--brush", choices=[brush.name for brush in BRUSHES], default=BRUSHES[0].name
+    )
+    parser.add_argument(
+        "--vary", action="store_true", help="another colour and brush with each stroke"
+    )
+    parser.add_argument(
+        "--save-to", type=Path, default=Path(), metavar="FOLDER", help="where pictures go (here)"
+    )
+    parser.add_argument(
+        "--render",
+        type=Path,
+        action="append",
+        metavar="OUT",
+        help="write the picture of --from FILE.jsonl, .png or .svg; may be repeated",
+    )
+    return parser
+
+
+def _render(options: argparse.Namespace, painter: Painter) -> int:
+    source = halo_client.parse_source(options.source)
+    if not isinstance(source, FileSource):
+        raise ClientError("--render needs a recorded stream: --from FILE.jsonl")
+    for path in options.render:
+        if path.suffix.lower() not in KINDS:
+            raise ClientError(f"{path} is neither a {' nor a '.join(KINDS)}")
+    strokes = painted(halo_client.frames(FileSource(source.path, paced=False)), painter)
+    for path in options.render:
+        save(path, strokes, WIDTH_MM, HEIGHT_MM)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,52 @@
+"""The palette: colours down the left edge of the surface, brushes and wishes down the right.
+
+Rule: values; where a cell is, in shares of the surface, and what it means.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from halo_paint.brushes import BRUSHES, COLOURS, Brush, Colour
+
+STRIP = 0.065
+"""Width of either strip over the surface's, about a finger's."""
+
+
+class Wish(Enum):
+    """What one can ask for beside colours and brushes."""
+
+    UNDO = "undo"
+    CLEAR = "clear"
+    SAVE = "save"
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A place to touch."""
+
+    area: tuple[float, float, float, float]
+    """Left, far, right and near edge over the surface's width and height."""
+    means: Colour | Brush | Wish
+
+
+def _column(left: float, right: float, meanings: tuple[Colour | Brush | Wish, ...]) -> list[Cell]:
+    count = len(meanings)
+    return [
+        Cell((left, n / count, right, (n + 1) / count), means) for n, means in enumerate(meanings)
+    ]
+
+
+CELLS = (
+    *_column(0.0, STRIP, COLOURS),
+    *_column(1.0 - STRIP, 1.0, (*BRUSHES, Wish.UNDO, Wish.CLEAR, Wish.SAVE)),
+)
+
+
+def cell_at(u: float, v: float) -> Cell | None:
+    """The cell under a place, if there is one; the strips reach beyond the surface's edges."""
+    if STRIP < u < 1.0 - STRIP:
+        return None
+    column = [cell for cell in CELLS if (cell.area[0] < 0.5) == (u < 0.5)]
+    return column[min(max(int(v * len(column)), 0), len(column) - 1)]

@@ -1,0 +1,56 @@
+"""A recorded stream as a picture, PNG or SVG.
+
+Rule: no window and no clock; the picture shows what was painted when the stream ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import pygame
+
+from halo_client import Placing
+from halo_paint.brushes import PAPER
+from halo_paint.canvas import Canvas, Pixels
+from halo_paint.painter import Painter
+from halo_paint.stroke import Stroke
+from halo_paint.svg import to_svg
+from halo_protocol import TouchFrame
+
+WIDTH_PX = 1920
+KINDS = (".png", ".svg")
+
+
+def painted(frames: Iterable[TouchFrame], painter: Painter) -> list[Stroke]:
+    """All strokes of a stream."""
+    for frame in frames:
+        painter.take(frame)
+    return painter.strokes
+
+
+def to_pixels(
+    strokes: Sequence[Stroke], width_mm: float, height_mm: float, width_px: int = WIDTH_PX
+) -> Pixels:
+    """The surface as a picture of so many pixels across."""
+    height_px = round(width_px * height_mm / width_mm)
+    canvas = Canvas(width_px, height_px, Placing.fitted(width_px, height_px, width_mm, height_mm))
+    canvas.repaint(list(strokes))
+    return canvas.pixels
+
+
+def save(path: Path, strokes: Sequence[Stroke], width_mm: float, height_mm: float) -> None:
+    """Write a PNG or an SVG, by the name's end. `OSError` or `ValueError` where it cannot be."""
+    if path.suffix.lower() == ".svg":
+        path.write_text(to_svg(strokes, width_mm, height_mm, PAPER), encoding="utf-8")
+    elif path.suffix.lower() == ".png":
+        write_png(path, to_pixels(strokes, width_mm, height_mm))
+    else:
+        raise ValueError(f"{path} is neither {' nor '.join(KINDS)}")
+
+
+def write_png(path: Path, pixels: Pixels) -> None:
+    """`OSError` where it cannot be written."""
+    picture = pygame.image.frombuffer(pixels.tobytes(), pixels.shape[1::-1], "RGB")
+    with path.open("wb") as file:
+        pygame.image.save(picture, file, "x.png")

@@ -1,0 +1,127 @@
+"""What the painter sees: the paper, the palette at its edges, and where fingers hover.
+
+Rule: it draws what it is told, on any pygame surface, and reads no clock. The paper is copied
+only where it changed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+
+from halo_client import Placing
+from halo_paint.brushes import PAPER, Brush, Colour, width_mm
+from halo_paint.canvas import Box, Canvas
+from halo_paint.painter import Change, News, Painter
+from halo_paint.palette import CELLS, Cell, Wish
+from halo_protocol import Pointer
+from halo_window import Placed
+
+PALETTE = (236, 231, 220)
+INK = (60, 58, 66)
+NEAR_MM = 25.0
+"""A finger that hovers lower than this shows where it would paint."""
+
+
+class View:
+    """A canvas of the screen's size, and a sheet that holds what of it was changed."""
+
+    def __init__(self, size: tuple[int, int], placed: Placed) -> None:
+        self.size, self.placed = size, placed
+        self.canvas = Canvas(*size, placed.placing)
+        self._sheet = pygame.Surface(size, depth=24)
+        self._sheet.fill(PAPER)
+        self._font = pygame.font.Font(None, max(16, size[1] // 42))
+        self._strips: list[tuple[pygame.Surface, pygame.Rect]] = []
+        self._chosen: tuple[Brush, Colour] | None = None
+
+    def take(self, news: list[News], painter: Painter) -> None:
+        """Bring the paper up to date."""
+        for change, stroke in news:
+            if change is Change.GREW and stroke is not None:
+                self._copy(self.canvas.grow(stroke))
+            elif change is Change.ENDED and stroke is not None:
+                self.canvas.dry(stroke)
+            elif change in (Change.UNDONE, Change.CLEARED):
+                self.canvas.repaint(painter.strokes)
+                self._copy((slice(0, self.size[1]), slice(0, self.size[0])))
+
+    def draw(
+        self, screen: pygame.Surface, painter: Painter, fingers: tuple[Pointer, ...], note: str
+    ) -> None:
+        """The whole picture; `note` is a line of words at its lower edge."""
+        screen.blit(self._sheet, (0, 0))
+        if self._chosen != (painter.brush, painter.colour):
+            self._chosen = painter.brush, painter.colour
+            self._strips = [self._strip(left, painter) for left in (True, False)]
+        for strip, place in self._strips:
+            screen.blit(strip, place)
+        for finger in fingers:
+            if not finger.touching and finger.hover_mm < NEAR_MM:
+                self._ring(screen, painter, finger)
+        if note:
+            words = self._font.render(note, True, INK)
+            screen.blit(words, words.get_rect(midbottom=(self.size[0] / 2, self.size[1] - 8)))
+
+    def _copy(self, box: Box | None) -> None:
+        if box is not None:
+            pixels = pygame.surfarray.pixels3d(self._sheet)
+            pixels[box[1], box[0]] = self.canvas.pixels[box].swapaxes(0, 1)
+            del pixels  # It holds a lock on the sheet.
+
+    def _strip(self, left: bool, painter: Painter) -> tuple[pygame.Surface, pygame.Rect]:
+        """One side of the palette, drawn when a choice was made, and where it goes."""
+        sheet = pygame.Surface(self.size, pygame.SRCALPHA)
+        for cell in CELLS:
+            if (cell.area[0] < 0.5) == left:
+                chosen = cell.means in (painter.brush, painter.colour)
+                self._cell(sheet, cell, painter, chosen)
+        place = sheet.get_bounding_rect()
+        return sheet.subsurface(place).copy(), place
+
+    def _cell(self, screen: pygame.Surface, cell: Cell, painter: Painter, chosen: bool) -> None:
+        left, far, right, near = cell.area
+        corners = [
+            self._pixel(u, v) for u, v in ((left, far), (right, far), (right, near), (left, near))
+        ]
+        pygame.draw.polygon(screen, PALETTE, corners)
+        centre = self._pixel((left + right) / 2, (far + near) / 2)
+        scale = self._scale((left + right) / 2, (far + near) / 2)
+        if isinstance(cell.means, Brush):
+            self._sample(screen, cell.means, painter, centre, scale)
+        elif isinstance(cell.means, Wish):
+            words = self._font.render(cell.means.value, True, INK)
+            screen.blit(words, words.get_rect(center=centre))
+        else:
+            pygame.draw.aacircle(screen, cell.means, centre, 7.0 * scale)
+        if chosen:
+            pygame.draw.aacircle(screen, INK, centre, 9.0 * scale, max(1, round(0.7 * scale)))
+
+    @staticmethod
+    def _sample(
+        screen: pygame.Surface,
+        brush: Brush,
+        painter: Painter,
+        centre: tuple[float, float],
+        scale: float,
+    ) -> None:
+        """A short stroke, from light to strong."""
+        for step in range(13):
+            part = step / 12
+            radius = float(width_mm(brush, np.array(part * 1.3))) / 2 * scale
+            along = (part - 0.5) * 10.0 * scale
+            lean = -0.5 if brush.nib_deg is None else 0.6
+            place = (centre[0] + along, centre[1] + lean * along)
+            pygame.draw.aacircle(screen, painter.colour, place, max(1.0, 0.8 * radius))
+
+    def _ring(self, screen: pygame.Surface, painter: Painter, finger: Pointer) -> None:
+        scale = self._scale(finger.u, finger.v)
+        radius = (2.0 + 0.5 * finger.hover_mm) * scale
+        pygame.draw.aacircle(screen, painter.colour, self._pixel(finger.u, finger.v), radius, 2)
+
+    def _pixel(self, u: float, v: float) -> tuple[float, float]:
+        return self.placed.placing.pixel(u * self.placed.width_mm, v * self.placed.height_mm)
+
+    def _scale(self, u: float, v: float) -> float:
+        placing: Placing = self.placed.placing
+        return placing.scale(u * self.placed.width_mm, v * self.placed.height_mm)

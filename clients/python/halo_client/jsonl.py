@@ -1,0 +1,112 @@
+"""A recorded stream: a file with a line of JSON for each frame.
+
+Rule: each line becomes the datagrams that it stands for, so that a recording is heard exactly
+as the wire is, by the same assembler. Read are the lines that `halo replay --jsonl` writes and
+those of `halo-monitor --json`, which hold scenes and homographies, too.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import deque
+from typing import Any
+
+from halo_client.errors import ClientError, EndOfStream
+from halo_client.source import FileSource
+from halo_protocol import (
+    ZENOH_KINDS,
+    Down,
+    Frame,
+    Pointer,
+    ProtocolError,
+    Up,
+    encode,
+    encode_frame,
+    from_json,
+)
+
+_REPORTS = frozenset(ZENOH_KINDS) - {"frame"}
+
+
+class JsonlInput:
+    """An open file, at its own pace or as fast as it is asked. `ClientError` names a bad line."""
+
+    def __init__(self, source: FileSource) -> None:
+        self.url = str(source.path)
+        self._paced = source.paced
+        self._line = 0
+        self._began: tuple[float, int] | None = None
+        self._ready: deque[bytes] = deque()
+        self._due_s = 0.0
+        try:
+            self._file = source.path.open(encoding="utf-8")
+        except OSError as error:
+            raise ClientError(f"cannot read {source.path} ({error.strerror})") from error
+
+    def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
+        """The next datagram when its time has come, else None; `EndOfStream` at the end."""
+        while not self._ready:
+            self._read_line()
+        wait_s = self._due_s - time.monotonic() if self._paced else 0.0
+        if wait_s > timeout_s:
+            time.sleep(timeout_s)
+            return None
+        if wait_s > 0:
+            time.sleep(wait_s)
+        return self._ready.popleft(), self.url
+
+    def close(self) -> None:
+        """Close the file. May be called twice."""
+        self._file.close()
+
+    def _read_line(self) -> None:
+        try:
+            text = self._file.readline()
+        except UnicodeDecodeError as error:
+            raise ClientError(f"{self.url} is not a recorded stream: it is no text") from error
+        if not text:
+            raise EndOfStream
+        self._line += 1
+        if not text.strip():
+            return
+        try:
+            line = json.loads(text)
+            if not isinstance(line, dict):
+                raise TypeError("an object is expected")
+            self._ready.extend(datagrams(line))
+            if "time_us" in line:
+                self._due_s = self._due(line["time_us"])
+        except (ValueError, KeyError, TypeError, AttributeError, ProtocolError) as error:
+            reason = f"no {error}" if isinstance(error, KeyError) else error
+            raise ClientError(
+                f"{self.url}, line {self._line}, is no frame ({reason}); "
+                "`halo replay ... --jsonl FILE` writes such files"
+            ) from error
+
+    def _due(self, time_us: int) -> float:
+        if self._began is None:
+            self._began = time.monotonic(), time_us
+        began_s, first_us = self._began
+        return began_s + (time_us - first_us) / 1e6
+
+
+def datagrams(line: dict[str, Any]) -> list[bytes]:
+    """What a service would have sent. `ProtocolError` or `KeyError` where something is missing."""
+    kind = line.get("kind", "frame")
+    if kind in _REPORTS:
+        return [encode(line["surface"], from_json(kind, line))]
+    if kind != "frame":
+        return []  # Such as `lost`: what a listener noticed, and nobody sent.
+    pointers = [from_json("pointer", each) for each in line["pointers"]]
+    events = [from_json(each["kind"], each) for each in line["events"]]
+    time_us: int = line["time_us"]
+    time = divmod(time_us, 1_000_000)
+    header = Frame(line["node"], line["session"], line["frame"], *time, len(pointers))
+    return encode_frame(
+        line["surface"],
+        header,
+        [each for each in pointers if isinstance(each, Pointer)],
+        [each for each in events if isinstance(each, Down)],
+        [each for each in events if isinstance(each, Up)],
+    )

@@ -1,0 +1,26 @@
+"""The options that all guests with a window share."""
+
+from __future__ import annotations
+
+import argparse
+
+import halo_client
+
+
+def add_stage_options(parser: argparse.ArgumentParser) -> None:
+    """`--from`, `--full-screen`, `--display`."""
+    parser.add_argument(
+        "--from",
+        dest="source",
+        default=halo_client.DEFAULT_SOURCE,
+        metavar="SOURCE",
+        help="osc://127.0.0.1:9000 (default), zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
+    )
+    parser.add_argument(
+        "--full-screen",
+        action="store_true",
+        help="fill the display; on a calibrated projector, things appear under your fingers",
+    )
+    parser.add_argument(
+        "--display", type=int, default=0, metavar="N", help="which display, from 0; 1 is often it"
+    )

@@ -1,0 +1,134 @@
+"""Streams to play: by hand for the fast tests, sensed from the virtual Kinect for the slow."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from halo_protocol import Down, Pointer, TouchFrame, Up
+
+os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+
+LEFT, RIGHT = 1, 2
+HOVER, TOUCH = 0, 1
+
+
+def finger(
+    id: int = 1,  # noqa: A002 - the wire's name
+    *,
+    hand: int = RIGHT,
+    at: tuple[float, float] = (150.0, 100.0),
+    hover_mm: float = 0.0,
+    pressure: float | None = None,
+    contacts: int = 1,
+) -> Pointer:
+    """A finger on the surface where a pressure is given, else above it."""
+    state = HOVER if pressure is None else TOUCH
+    u, v = at[0] / 300.0, at[1] / 200.0
+    return Pointer(
+        id, 0, hand, 1, state, u, v, *at, hover_mm, pressure or 0.0, 0.0, 0.0, 0.9, contacts, -1.0
+    )
+
+
+def down(
+    id: int = 1,  # noqa: A002
+    *,
+    at: tuple[float, float] = (150.0, 100.0),
+    strike_mm_s: float = 200.0,
+    ago_ms: float = 12.0,
+    contacts: int = 1,
+) -> Down:
+    return Down(id, 0, at[0] / 300.0, at[1] / 200.0, strike_mm_s, ago_ms, contacts)
+
+
+def up(id: int = 1, *, at: tuple[float, float] = (150.0, 100.0), contacts: int = 1) -> Up:  # noqa: A002
+    return Up(id, 0, at[0] / 300.0, at[1] / 200.0, 5.0, contacts)
+
+
+def frame(number: int, pointers: Sequence[Pointer] = (), **told: Any) -> TouchFrame:
+    """Thirty of them a second."""
+    time_us = 1_000_000 + number * 33_333
+    return TouchFrame("table", "desk", "s1", number, time_us, tuple(pointers), **told)
+
+
+@pytest.fixture(scope="session")
+def say() -> Any:
+    """The makers of hand-made streams."""
+
+    class Say:
+        finger = staticmethod(finger)
+        down = staticmethod(down)
+        up = staticmethod(up)
+        frame = staticmethod(frame)
+
+    return Say
+
+
+@dataclass(frozen=True)
+class Session:
+    """A scenario of the virtual Kinect as the service senses it, and what was true."""
+
+    stream: Path
+    truth: list[dict[str, Any]]
+    told: list[Any]
+    """The service's own frames, for those who want to send them."""
+
+
+@pytest.fixture(scope="session")
+def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
+    """`sensed("sim:drumming?seed=3", 12.0)`; each is made once."""
+    from halo_service.app.config import Settings
+    from halo_service.app.eyes import Eyes
+    from halo_service.app.virtual_profile import virtual_profile
+    from halo_service.outputs.jsonl import frame_line
+    from halo_service.runtime.lockstep import replay
+    from halo_service.sensing import start
+    from halo_service.sources import EndOfSource
+    from halo_service.virtual.naming import wish
+    from halo_service.virtual.offline import Take
+
+    made: dict[str, Session] = {}
+
+    class Played:
+        """A take as a source that keeps the truth aside."""
+
+        kind = "virtual"
+
+        def __init__(self, take: Take, truth: list[dict[str, Any]]) -> None:
+            self.camera, self.surface = take.camera, take.surface
+            self._frames: Iterator[Any] = iter(take)
+            self._truth = truth
+
+        def read(self, timeout_s: float) -> Any:
+            for seen, lines in self._frames:
+                self._truth += lines
+                if seen is not None:
+                    return seen
+            raise EndOfSource
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    def make(name: str, seconds: float) -> Session:
+        if name not in made:
+            wished, truth = wish(name), []
+            profile = virtual_profile(wished.room, Settings())
+            source = Played(Take(wished, seconds, colour=False), truth)
+            eyes = Eyes(source.camera, profile, Settings().tracking)
+            try:
+                told = list(replay(source, eyes.look, start(profile, Settings().sensing)))
+            finally:
+                eyes.close()
+            path = tmp_path_factory.mktemp("sensed") / "take.jsonl"
+            lines = [frame_line(each, "sim", "s1", n) for n, each in enumerate(told)]
+            path.write_text("".join(lines))
+            truth.append({"surface": source.surface})
+            made[name] = Session(path, truth, told)
+        return made[name]
+
+    return make

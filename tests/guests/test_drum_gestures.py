@@ -1,0 +1,196 @@
+"""What hands do becomes hits, presses and shapes: once each, whatever was lost on the way."""
+
+from __future__ import annotations
+
+import json
+import random
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import halo_client
+from halo_client import FileSource
+from halo_drums.kit import KIT, Settings, mirrored, pad_at
+from halo_drums.midi import MidiError, MidiOut, Notes
+from halo_drums.player import UNKNOWN_LEVEL, Hit, Player, Press, Release, Shape
+from halo_protocol import Assembler, Frame, TouchFrame, encode_frame, event_to_json
+
+LEFT, RIGHT = 1, 2
+KICK = (0.88 * 300, 100.0)
+
+
+def played(frames: list[TouchFrame], **settings: float) -> list[Any]:
+    player = Player(settings=Settings(**settings))
+    return [gesture for frame in frames for gesture in player.take(frame)]
+
+
+def kinds(gestures: list[Any]) -> list[str]:
+    return [type(gesture).__name__ for gesture in gestures]
+
+
+@pytest.mark.parametrize(
+    ("u", "v", "name"),
+    [(0.1, 0.3, "high tom"), (0.3, 0.1, "low tom"), (0.68, 0.5, "snare"), (0.85, 0.5, "kick"),
+     (0.2, 0.9, "closed hat"), (0.9, 0.7, "open hat"), (1.2, -0.1, "kick")],
+)  # fmt: skip
+def test_each_place_has_its_pad_on_either_hand(u: float, v: float, name: str) -> None:
+    assert pad_at(KIT, u, v).name == name
+    assert pad_at(mirrored(KIT), 1 - u, v).name == name
+
+
+def test_the_kit_has_no_hole() -> None:
+    for step in range(101):
+        for other in range(101):
+            pad_at(KIT, step / 100, other / 100)
+
+
+def test_a_tap_is_one_hit_at_the_time_it_happened(say: Any) -> None:
+    tap = say.frame(3, [say.finger(at=KICK, pressure=0.5)], downs=(say.down(at=KICK),))
+    hit, release = played(
+        [tap, say.frame(4, [say.finger(at=KICK, hover_mm=8.0)], ups=(say.up(at=KICK),))]
+    )
+    assert isinstance(hit, Hit) and isinstance(release, Release)
+    assert hit.pad.name == "kick"
+    assert hit.time_us == tap.time_us - 12_000
+
+
+def test_a_faster_strike_is_louder_and_a_lost_one_in_between(say: Any) -> None:
+    levels = []
+    for number, strike in enumerate([0.0, 100.0, 250.0, 400.0, 900.0, -1.0]):
+        (hit,) = played([say.frame(number, downs=(say.down(strike_mm_s=strike),))])
+        levels.append(hit.level)
+    assert levels[:4] == sorted(set(levels[:4]))
+    assert levels[0] == 0.25 and levels[3] == levels[4] == 1.0
+    assert levels[5] == UNKNOWN_LEVEL
+
+
+def test_only_a_touch_that_stays_presses(say: Any) -> None:
+    frames = [say.frame(0, [say.finger(pressure=0.5)], downs=(say.down(),))]
+    frames += [say.frame(n, [say.finger(pressure=0.1 * n)]) for n in range(1, 10)]
+    gestures = played(frames)
+    assert kinds(gestures)[0] == "Hit"
+    presses = [each for each in gestures if isinstance(each, Press)]
+    assert [round(each.amount, 1) for each in presses] == [0.6, 0.7, 0.8, 0.9]
+
+
+def test_the_hand_that_does_not_play_shapes_by_its_lowest_finger(say: Any) -> None:
+    other = [say.finger(2, hand=LEFT, hover_mm=47.0), say.finger(3, hand=LEFT, hover_mm=34.0)]
+    frames = [
+        say.frame(0, [say.finger(hover_mm=20.0), *other]),
+        say.frame(1, [say.finger(pressure=0.5), *other], downs=(say.down(),)),
+        say.frame(2, [say.finger(hover_mm=3.0), *other]),
+    ]
+    gestures = played(frames, low_mm=8.0, high_mm=60.0)
+    assert kinds(gestures) == ["Hit", "Shape", "Shape"], "nobody plays yet in the first frame"
+    assert all(each.height == 0.5 for each in gestures[1:])
+
+
+def test_a_hand_that_struck_a_moment_ago_does_not_shape(say: Any) -> None:
+    left = say.finger(2, hand=LEFT, pressure=0.5)
+    right = say.finger(1, hand=RIGHT, pressure=0.5)
+    frames = [
+        say.frame(0, [left], downs=(say.down(2),)),
+        say.frame(3, [right, say.finger(2, hand=LEFT, hover_mm=30.0)], downs=(say.down(1),)),
+        say.frame(50, [say.finger(2, hand=LEFT, hover_mm=30.0)]),
+    ]
+    assert kinds(played(frames)) == ["Hit", "Hit", "Shape"]
+
+
+def test_of_hands_that_nobody_can_name_the_one_that_struck_is_the_drummer(say: Any) -> None:
+    frames = [
+        say.frame(0, [say.finger(1, hand=0, pressure=0.4)], downs=(say.down(1),)),
+        say.frame(1, [say.finger(1, hand=0, hover_mm=9), say.finger(2, hand=0, hover_mm=60)]),
+    ]
+    assert [each.height for each in played(frames) if isinstance(each, Shape)] == [1.0]
+
+
+def rounds(say: Any, hits: int) -> list[TouchFrame]:
+    """A tap each eleven frames, in 4 of which the finger is down."""
+    frames = []
+    for number in range(hits * 11):
+        touch, phase = divmod(number, 11)
+        contacts = touch + (phase >= 4)
+        pressed = 4 <= phase < 8
+        pointer = say.finger(
+            contacts=contacts, pressure=0.5 if pressed else None, hover_mm=0 if pressed else 20.0
+        )
+        told: dict[str, Any] = {}
+        if phase == 4:
+            told["downs"] = (say.down(contacts=contacts),)
+        if phase == 8:
+            told["ups"] = (say.up(contacts=contacts),)
+        frames.append(say.frame(number, [pointer], **told))
+    return frames
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_of_datagrams_a_fifth_may_be_lost_and_each_hit_is_heard_once(say: Any, seed: int) -> None:
+    frames = rounds(say, 40)
+    lost = random.Random(seed)
+    assembler = Assembler()
+    heard = []
+    for number, frame in enumerate(frames):
+        # As the service repeats: an event again in the next two frames, its age grown.
+        repeated = [
+            (event, (number - then.frame) * 1000 / 30)
+            for then in frames[max(0, number - 2) : number + 1]
+            for event in then.events
+        ]
+        aged = [replace(event, ago_ms=event.ago_ms + age) for event, age in repeated]
+        header = Frame("desk", "s1", frame.frame, *divmod(frame.time_us, 1_000_000), 1)
+        downs = [event for event in aged if hasattr(event, "strike_mm_s")]
+        ups = [event for event in aged if not hasattr(event, "strike_mm_s")]
+        for datagram in encode_frame("table", header, list(frame.pointers), downs, ups):
+            if number == 0 or lost.random() >= 0.2:
+                heard += assembler.receive_data(datagram, number / 30)
+    player = Player()
+    arrived = [
+        (told.time_us, gesture)
+        for told in heard
+        if isinstance(told, TouchFrame)
+        for gesture in player.take(told)
+        if isinstance(gesture, Hit)
+    ]
+    assert [hit.key.contacts for _, hit in arrived] == list(range(1, 41))
+    for number, (told_us, hit) in enumerate(arrived):
+        struck_us = frames[11 * number + 4].time_us
+        missing = round((told_us - struck_us) / 33_333)
+        assert 0 <= missing <= 7, "it is late by the frames lost"
+        if hit.level != UNKNOWN_LEVEL:
+            assert hit.time_us == pytest.approx(struck_us - 12_000, abs=1_000)
+
+
+def test_a_stream_from_a_file_plays_as_the_wire_does(say: Any, tmp_path: Path) -> None:
+    path = tmp_path / "take.jsonl"
+    frames = rounds(say, 3)
+    path.write_text("".join(json.dumps(event_to_json(frame)) + "\n" for frame in frames))
+    from_file = played(list(halo_client.frames(FileSource(path, paced=False))))
+    hits = [each for each in from_file if isinstance(each, Hit)]
+    assert len(hits) == 3
+    assert [hit.level for hit in hits] == pytest.approx([hits[0].level] * 3)
+
+
+def test_midi_says_what_a_sampler_understands(say: Any) -> None:
+    notes = Notes()
+    hit, release = played(
+        [say.frame(0, downs=(say.down(at=KICK, strike_mm_s=500.0),), ups=(say.up(at=KICK),))]
+    )
+    spoken = [
+        *notes.messages(hit),
+        *notes.messages(Press(0, hit.key, 0.5)),
+        *notes.messages(Shape(0, 1.0)),
+        *notes.messages(release),
+        *notes.messages(release),
+    ]
+    assert [message.bytes() for message in spoken] == [
+        [0x99, 36, 127], [0xA9, 36, 64], [0xB9, 74, 127], [0x89, 36, 64],
+    ]  # fmt: skip
+
+
+def test_a_midi_port_that_is_not_there_is_one_sentence() -> None:
+    with pytest.raises(MidiError) as refused:
+        MidiOut("no such sampler")
+    assert "MIDI" in str(refused.value)
+    assert "\n" not in str(refused.value)

@@ -1,0 +1,154 @@
+"""The guests as programs: they say in a sentence what is wrong, wait, go on, and end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from halo_protocol import Frame, encode_frame
+
+BIN = Path(sys.executable).parent
+SOUND = {"halo-drums": ("--silent",), "halo-paint": ()}
+Run = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture
+def run() -> Iterator[Run]:
+    """Start a guest without a screen and a loudspeaker; what still runs at the end is ended."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start(*command: str, screen: bool = True) -> subprocess.Popen[str]:
+        env = {key: value for key, value in os.environ.items() if key != "SDL_VIDEODRIVER"}
+        env |= {"SDL_VIDEODRIVER": "dummy"} if screen else {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
+        started.append(
+            subprocess.Popen(
+                [str(BIN / command[0]), *command[1:]],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env,
+            )
+        )  # fmt: skip
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def said(process: subprocess.Popen[str], word: str, seconds: float = 20.0) -> str:
+    """The next line on stderr that has this word."""
+    assert process.stderr is not None
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        line = process.stderr.readline()
+        if word in line:
+            return line
+        assert line or process.poll() is None, f"ended without {word!r}"
+    pytest.fail(f"{word!r} was not said")
+
+
+@pytest.mark.parametrize("guest", SOUND)
+def test_nobody_playing_is_a_sentence_and_a_wait_and_ctrl_c_ends_cleanly(
+    run: Run, guest: str, udp_port: int, sender: Callable[[int, str], Any]
+) -> None:
+    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}")
+    assert "is `halo serve` running" in said(process, "waiting")
+    sender(udp_port, "s1")
+    said(process, "frames come")
+    said(process, "waiting")
+    sender(udp_port, "s2")
+    said(process, "frames come")
+    process.send_signal(signal.SIGINT)
+    _, rest = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert "Traceback" not in rest
+
+
+@pytest.fixture
+def udp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def sender(say: Any) -> Callable[[int, str], None]:
+    """A service that lives for half a second."""
+
+    def send(port: int, session: str) -> None:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            for number in range(15):
+                header = Frame("desk", session, number, 1000, number * 33_333, 1)
+                touching = [say.finger(at=(100.0 + 5 * number, 90.0), pressure=0.6)]
+                downs = [say.down(at=(100.0, 90.0))] if number == 1 else []
+                for datagram in encode_frame("table", header, touching, downs, []):
+                    out.sendto(datagram, ("127.0.0.1", port))
+                time.sleep(0.03)
+
+    return send
+
+
+@pytest.mark.parametrize("guest", SOUND)
+def test_without_a_screen_there_is_one_sentence(run: Run, guest: str, udp_port: int) -> None:
+    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}", screen=False)
+    _, error = process.communicate(timeout=20)
+    if process.returncode != 2:
+        pytest.skip("this machine has a screen")
+    assert "no display to draw on" in error
+
+
+def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -> None:
+    if Path("/dev/snd").exists():
+        pytest.skip("this machine has a sound device")
+    process = run("halo-drums", "--from", f"osc://127.0.0.1:{udp_port}")
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 2
+    assert error.startswith("halo-drums: no sound device (")
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        (("halo-drums", "--silent", "--from", "nonsense"), "unknown source 'nonsense'"),
+        (("halo-drums", "--render", "a.wav"), "need a recorded stream"),
+        (("halo-paint", "--from", "none.jsonl", "--render", "a.png"), "cannot read none.jsonl"),
+        (("halo-paint", "--render", "a.png"), "needs a recorded stream"),
+        (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
+        (("halo", "demo", "flute"), "invalid choice: 'flute'"),
+    ],
+)
+def test_what_cannot_be_is_one_sentence(run: Run, command: tuple[str, ...], says: str) -> None:
+    process = run(*command)
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 2
+    assert says in error
+    assert "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    ("guest", "word"), [("halo-drums", "hover low"), ("halo-paint", "calligraphy")]
+)
+def test_the_help_is_for_those_who_play(run: Run, guest: str, word: str) -> None:
+    out, _ = run(guest, "--help").communicate(timeout=20)
+    assert word in out
+
+
+@pytest.mark.slow
+def test_a_demo_starts_both_and_ctrl_c_ends_both(run: Run) -> None:
+    process = run("halo", "demo", "drums", "--silent")
+    said(process, "frames come", 60.0)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    assert len(children) == 2
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=30)
+    assert process.returncode == 0
+    assert not any(Path(f"/proc/{child}").exists() for child in children)

@@ -39,8 +39,8 @@ def decide() -> str:
         log.warning("source: an Azure Kinect is plugged in, so that is the source")
         return "azure-kinect"
     log.warning(
-        "source: NO CAMERA FOUND, so this is the VIRTUAL Kinect; what it shows is simulated "
-        "(plug a camera in and start again, or say --source to choose)"
+        "source: NO AZURE KINECT FOUND, so this is the VIRTUAL Kinect; what it shows is simulated "
+        "(plug one in and start again, or say --source to choose)"
     )
     return "sim"
 

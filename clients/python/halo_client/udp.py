@@ -67,7 +67,7 @@ def _cannot_bind(source: OscSource, error: Exception) -> str:
         return (
             f"{where} is taken, probably by another client: close it, or let the service send "
             f"to one more port and receive there (osc://{_bracketed(source.host)}:"
-            f"{source.port + 1}), or use zenoh, which any number of clients can share"
+            f"{source.port + 2}), or use zenoh, which any number of clients can share"
         )
     if isinstance(error, OSError) and error.errno == errno.EACCES:
         return f"{where} needs rights that you do not have; choose a port above 1023"

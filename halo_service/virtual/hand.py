@@ -18,28 +18,13 @@ from halo_service.virtual.skeleton import (
     Angles,
     FingerPose,
     HandPose,
-    PosedHand,
     User,
     about_x,
     about_z,
     bones_of,
     indentation_mm,
     joints_of,
-    posed,
 )
-
-__all__ = [
-    "FingerPose",
-    "HandPose",
-    "PosedHand",
-    "User",
-    "fist",
-    "open_hand",
-    "place",
-    "pointing",
-    "posed",
-    "resting",
-]
 
 CURLED: dict[Finger, Angles] = {
     Finger.THUMB: (4.0, 14.0, 22.0),
@@ -66,6 +51,7 @@ _LAST_JOINT = (-22.0, -18.0, -10.0, -2.0, 3.0, 8.0, 12.0)
 fingers stay clear of the table)."""
 
 FIST_TILT_DEG = 12.0
+"""How far a closed hand on the table leans forward, chosen."""
 CLEAR_MM, LIFT_DEG, MOST_LIFTS = 4.0, 6.0, 12
 """People hold the fingers that do not point clear of the table: how far, and in what steps."""
 THUMB_FOLD_DEG = 26.0

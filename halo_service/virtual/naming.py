@@ -9,6 +9,7 @@ from urllib.parse import parse_qsl
 
 from halo_service.errors import UserError
 from halo_service.values import Side
+from halo_service.virtual.pictures import findable
 from halo_service.virtual.plays import FURNISHED, SCENARIOS
 from halo_service.virtual.room import Room, draw_room
 
@@ -28,16 +29,27 @@ OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "camera_height_mm": ("camera_height_mm", float),
     "camera_pitch_deg": ("camera_pitch_deg", float),
     "camera_yaw_deg": ("camera_yaw_deg", float),
-    "family": ("family", str),
     "hand": ("dominant", _side),
     "noise": ("noise", float),
     "drop": ("drop", float),
     "light": ("light", float),
     "props": ("props", _list),
-    "projected": ("projected", str),
+    "projected": ("projected", findable),
     "labels": ("labels", str),
+    "hand_size": ("user.size", float),
+    "girth": ("user.girth", float),
+    "pad_mm": ("user.pad_mm", float),
+    "pad_g": ("user.pad_g", float),
+    "skin": ("user.skin", float),
+    "nail_mm": ("user.nail_mm", float),
+    "sleeve_mm": ("user.sleeve_mm", float),
+    "curl": ("user.curl", float),
+    "family": ("curve.family", str),
+    "onset_mm": ("curve.onset_mm", float),
+    "gain": ("curve.gain", float),
+    "press_g": ("curve.press_g", float),
 }
-"""Option -> what `draw_room` calls it, and how to read it."""
+"""Option -> the field of the room, its user or its curve, and how to read it."""
 
 
 @dataclass(frozen=True, slots=True)

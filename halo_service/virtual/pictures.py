@@ -71,6 +71,16 @@ PICTURES: dict[str, Callable[[int, int], Show]] = {
 }
 
 
+def findable(name: str) -> str:
+    """The name, when there is such a picture. Raises UserError otherwise."""
+    if name not in PICTURES and not Path(name).is_file():
+        raise UserError(
+            f"The virtual projector finds no picture {name!r}; "
+            f"give a file, or one of {', '.join(PICTURES)}."
+        )
+    return name
+
+
 def show(name: str, width: int, height: int) -> Show:
     """Find a picture by its name in PICTURES, or load an image or a video from a file.
 
@@ -78,12 +88,7 @@ def show(name: str, width: int, height: int) -> Show:
     """
     if name in PICTURES:
         return PICTURES[name](width, height)
-    if not Path(name).is_file():
-        raise UserError(
-            f"The virtual projector finds no picture {name!r}; "
-            f"give a file, or one of {', '.join(PICTURES)}."
-        )
-    image = cv2.imread(name, cv2.IMREAD_COLOR)
+    image = cv2.imread(findable(name), cv2.IMREAD_COLOR)
     if image is not None:
         still = _sized(image, width, height)
         return lambda _: still

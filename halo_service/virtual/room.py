@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import zlib
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -106,9 +108,9 @@ def draw_user(seed: int) -> User:
 
 
 def draw_room(seed: int, **overrides: object) -> Room:
-    """What a seed draws, with what is overridden by name (any field of `Room`, or `family`).
+    """What a seed draws, with fields overridden by name; `user.size` and the like reach inside.
 
-    Raises UserError for a negative seed, an unknown name or material, a size out of range.
+    Raises UserError for a negative seed, an unknown material, a value out of range.
     """
     if seed < 0:
         raise UserError(f"The virtual Kinect's seed is {seed}; give a whole number from 0 up.")
@@ -122,18 +124,17 @@ def draw_room(seed: int, **overrides: object) -> Room:
         user=draw_user(seed),
         # 9 of the paper's 12 participants were right-handed (5.1).
         dominant=Side.RIGHT if _stream(seed, "hand").uniform() < 0.75 else Side.LEFT,
-        curve=draw_curve(seed, overrides.pop("family", None)),
+        curve=draw_curve(seed),
         light=float(_stream(seed, "light").uniform(0.6, 1.1)),
     )
-    return check(dataclasses.replace(drawn, **overrides))  # type: ignore[arg-type]  # by name
+    return check(_changed(drawn, overrides))
 
 
-def draw_curve(seed: int, family: object) -> HaloCurve:
+def draw_curve(seed: int) -> HaloCurve:
     """How this finger's halo grows on this table."""
     draw = _stream(seed, "halo")
-    name = str(draw.choice(sorted(FAMILIES)))
     return HaloCurve(
-        family=name if family is None else str(family),
+        family=str(draw.choice(sorted(FAMILIES))),
         onset_mm=float(draw.uniform(19.0, 22.0)),
         gain=float(draw.uniform(0.9, 1.15)),
         press_g=float(draw.uniform(150.0, 300.0)),
@@ -141,32 +142,57 @@ def draw_curve(seed: int, family: object) -> HaloCurve:
     )
 
 
+def _changed(room: Room, overrides: Mapping[str, Any]) -> Room:
+    """The room with fields of itself, its user and its curve replaced."""
+    inside: dict[str, dict[str, Any]] = {"user": {}, "curve": {}}
+    fields: dict[str, Any] = {}
+    for name, value in overrides.items():
+        part, _, field_name = name.rpartition(".")
+        inside.get(part, fields)[field_name] = value
+    user = dataclasses.replace(fields.pop("user", room.user), **inside["user"])
+    curve = dataclasses.replace(fields.pop("curve", room.curve), **inside["curve"])
+    return dataclasses.replace(room, **fields, user=user, curve=curve)
+
+
+LIMITS = {
+    "camera_height_mm": (300.0, 1500.0),
+    "camera_pitch_deg": (-60.0, 60.0),
+    "camera_yaw_deg": (-60.0, 60.0),
+    "noise": (0.0, 10.0),
+    "drop": (0.0, 0.9),
+    "light": (0.0, 4.0),
+    "user.size": (0.7, 1.3),
+    "user.girth": (0.8, 1.25),
+    "user.pad_mm": (0.0, 4.0),
+    "user.pad_g": (20.0, 400.0),
+    "user.skin": (0.05, 1.0),
+    "user.nail_mm": (0.0, 20.0),
+    "user.curl": (0.0, 1.0),
+    "curve.onset_mm": (5.0, 40.0),
+    "curve.gain": (0.0, 3.0),
+    "curve.press_g": (20.0, 2000.0),
+}
+"""What a room can be; beyond these, hands are no hands and pictures no pictures."""
+
+
 def check(room: Room) -> Room:
     """Raise UserError for a room that cannot be; else hand it back."""
-    if room.material not in MATERIALS:
-        raise UserError(
-            f"The virtual Kinect knows no material {room.material!r}; "
-            f"known: {', '.join(MATERIALS)}."
-        )
-    for name in room.props:
-        if name not in PROPS:
-            raise UserError(
-                f"The virtual Kinect knows no object {name!r}; known: {', '.join(PROPS)}."
-            )
-    if room.curve.family not in FAMILIES:
-        raise UserError(
-            f"The virtual Kinect knows no halo family {room.curve.family!r}; "
-            f"known: {', '.join(sorted(FAMILIES))}."
-        )
-    for name, low, high in (
-        ("camera_height_mm", 300.0, 1500.0),
-        ("camera_pitch_deg", -60.0, 60.0),
-        ("camera_yaw_deg", -60.0, 60.0),
-        ("noise", 0.0, 10.0),
-        ("drop", 0.0, 0.9),
-        ("light", 0.0, 4.0),
-    ):
-        value = getattr(room, name)
+    _known("material", [room.material], MATERIALS)
+    _known("halo family", [room.curve.family], FAMILIES)
+    _known("object", room.props, PROPS)
+    for name, (low, high) in LIMITS.items():
+        part, _, field_name = name.rpartition(".")
+        value = getattr(getattr(room, part) if part else room, field_name)
         if not low <= value <= high:
-            raise UserError(f"The virtual Kinect's {name} is {value:g}; give {low:g} to {high:g}.")
+            raise UserError(
+                f"The virtual Kinect's {field_name} is {value:g}; give {low:g} to {high:g}."
+            )
     return room
+
+
+def _known(what: str, names: Sequence[str], known: Collection[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise UserError(
+                f"The virtual Kinect knows no {what} {name!r}; known: {', '.join(known)}."
+            )

@@ -85,8 +85,8 @@ class Sensor:
             return
         places = np.array([[d.x_mm, d.y_mm, 0.0] for d in dents])
         px = self.camera.depth.project(self.surface.to_camera(places))
-        # Constant in pixels over the image, up to the lens's distortion: hence the margin.
-        reach = 1.15 * REACH * dents[0].radius_mm
+        # In pixels; a margin for the lens's distortion and for a table that comes nearer.
+        reach = 1.15 * REACH * max(d.radius_mm for d in dents)
         reach *= self.camera.depth.fx / self.room.camera_height_mm
         box = _clipped(px.min(axis=0) - reach, px.max(axis=0) + reach, ideal.depth.shape)
         view = self._imager.view

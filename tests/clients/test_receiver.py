@@ -137,7 +137,7 @@ def test_a_port_that_is_taken_is_one_sentence_with_the_remedy(free_port: int) ->
     with halo_client.receive(url), pytest.raises(ClientError) as refused:
         halo_client.receive(url)
     assert str(refused.value).startswith(f"UDP port {free_port} on 127.0.0.1 is taken")
-    assert f"osc://127.0.0.1:{free_port + 1}" in str(refused.value)
+    assert f"osc://127.0.0.1:{free_port + 2}" in str(refused.value)
 
 
 def test_an_address_of_another_machine_is_one_sentence() -> None:

@@ -53,7 +53,7 @@ def test_frames_come_in_time_and_in_order_with_truth_beside(tmp_path):
         times = [frame.time_us]
         end = time.monotonic() + 3.0
         while time.monotonic() < end:
-            frame = kinect.read(0.2)
+            frame = kinect.read(1.0)
             assert abs(frame.time_us / 1e6 - time.time()) < 1.0
             times.append(frame.time_us)
     assert all(np.diff(times) > 0)
@@ -101,10 +101,11 @@ def test_a_worker_that_dies_is_one_sentence():
                 kinect.read(0.2)
 
 
-def test_a_room_that_cannot_be_drawn_is_one_sentence():
+def test_a_room_that_cannot_be_drawn_is_one_sentence(tmp_path):
+    (tmp_path / "noise.png").write_bytes(b"no picture")
     with (
-        VirtualKinect(wish("sim:projector?projected=/nowhere.png")) as kinect,
-        pytest.raises(UserError, match="finds no picture"),
+        VirtualKinect(wish(f"sim:projector?projected={tmp_path}/noise.png")) as kinect,
+        pytest.raises(UserError, match="cannot read"),
     ):
         for _ in range(20):
             kinect.read(0.5)
@@ -117,7 +118,7 @@ def test_a_played_finger_appears_in_the_next_frames():
         end = time.monotonic() + 3.0
         while time.monotonic() < end:
             seen = kinect.read(0.5)
-            if (seen.depth.astype(int) - empty < -30).sum() > 3000:
+            if seen is not None and (seen.depth.astype(int) - empty < -30).sum() > 3000:
                 return
     raise AssertionError("the finger never appeared")
 

@@ -1,10 +1,12 @@
 """What one writes after `sim`, and the sentence for each mistake."""
 
+import dataclasses
+
 import pytest
 
 from halo_service.errors import UserError
 from halo_service.values import Side
-from halo_service.virtual.naming import wish
+from halo_service.virtual.naming import OPTIONS, wish
 from halo_service.virtual.plays import SCENARIOS
 from halo_service.virtual.room import draw_room
 
@@ -17,6 +19,14 @@ def test_everything_can_be_set_in_the_name():
     assert (room.dominant, room.curve.family) == (Side.LEFT, "sigmoid")
 
 
+@pytest.mark.parametrize("option, value", [("hand_size", 1.2), ("skin", 0.4), ("sleeve_mm", 40.0)])
+def test_what_a_seed_draws_of_the_user_can_be_overridden_alone(option, value):
+    user = wish(f"sim:demo?seed=3&{option}={value}").room.user
+    drawn = draw_room(3).user
+    field = OPTIONS[option][0].removeprefix("user.")
+    assert user == dataclasses.replace(drawn, **{field: value})
+
+
 @pytest.mark.parametrize(
     "name", ["", "sim", "sim:", "sim:demo", "demo", "sim?seed=1", "sim:?seed=1"]
 )
@@ -25,7 +35,7 @@ def test_the_default_is_the_demo_of_seed_1(name):
     assert (asked.scenario, asked.room) == ("demo", draw_room(1))
 
 
-@pytest.mark.parametrize("scenario", SCENARIOS)
+@pytest.mark.parametrize("scenario", [s for s in SCENARIOS if s != "labels"])
 def test_every_scenario_has_a_name(scenario):
     assert wish(f"sim:{scenario}").scenario == scenario
 
@@ -45,10 +55,15 @@ MISTAKES = [
     ("sim:demo?seed=-1", "seed is -1"),
     ("sim:demo?seed=x", "seed is 'x'; it must be a whole number"),
     ("sim:demo?hand=third", "hand is 'third'; it must be left or right"),
-    ("sim:demo?family=cubic", "no halo family 'cubic'; known: exponential, sigmoid, straight"),
+    ("sim:demo?family=cubic", "no halo family 'cubic'; known: straight, exponential, sigmoid"),
     ("sim:demo?props=sofa", "no object 'sofa'; known: sheet, board, cup"),
     ("sim:demo?drop=1", "drop is 1; give 0 to 0.9"),
     ("sim:demo?noise=-2", "noise is -2"),
+    ("sim:demo?hand_size=-1", "size is -1; give 0.7 to 1.3"),
+    ("sim:demo?onset_mm=0", "onset_mm is 0"),
+    ("sim:demo?projected=/nowhere.png", "finds no picture '/nowhere.png'"),
+    ("sim:labels", "needs a file: sim:labels?labels=FILE"),
+    ("sim:labels?labels=/nowhere.txt", "cannot be read"),
 ]
 
 

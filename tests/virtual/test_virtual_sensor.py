@@ -63,7 +63,7 @@ def test_overriding_one_thing_leaves_the_others_as_they_were():
     drawn = draw_room(9)
     for change in ({"material": "foam"}, {"camera_height_mm": 510.0}, {"dominant": Side.LEFT}):
         assert draw_room(9, **change) == dataclasses.replace(drawn, **change)
-    curve = draw_room(9, family="sigmoid").curve
+    curve = draw_room(9, **{"curve.family": "sigmoid"}).curve
     assert curve == dataclasses.replace(drawn.curve, family="sigmoid")
 
 

@@ -1,4 +1,4 @@
-"""The real hand tracker on rendered hands, in projected light. About 15 s.
+"""The real hand tracker on rendered hands, in projected light. About 12 s.
 
 What it finds is a claim about the rendering; how far its landmark is off is reported, not tuned.
 """
@@ -18,7 +18,7 @@ from halo_service.virtual.room import draw_room
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, posed
 
-FRAMES = 40
+FRAMES = 30
 NEAR_PX = 30.0
 """A landmark further off than that has found something else."""
 

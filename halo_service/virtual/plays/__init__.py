@@ -43,8 +43,12 @@ SCENARIOS: dict[str, Scenario] = {
 }
 ENDING = frozenset({"calibration", "hover", "pressure", "labels"})
 """Scenarios that end by themselves; the others go on for ever."""
-FURNISHED: dict[str, Callable[[Room], Room]] = {"projector": projector.lit, "chaos": chaos.dressed}
-"""Scenarios that bring things into the room which are not there otherwise."""
+FURNISHED: dict[str, Callable[[Room], Room]] = {
+    "projector": projector.lit,
+    "chaos": chaos.dressed,
+    "labels": labels.readable,
+}
+"""Scenarios that bring something along, or need something to be there."""
 
 
 def play(scenario: str, room: Room) -> Play:

@@ -85,13 +85,24 @@ def _fitted(ways: list[list[tuple[float, str, float, float]]]) -> list[Label]:
     return labels
 
 
-def labels(room: Room, rng: np.random.Generator) -> Play:
-    """Both index fingers; a touch that neither can reach in time is left out. Ends by itself."""
+def readable(room: Room) -> Room:
+    """The room, when its label file holds touches. Raises UserError otherwise."""
+    touches(room)
+    return room
+
+
+def touches(room: Room) -> list[Label]:
+    """What the room's label file holds. Raises UserError where there is none."""
     if room.labels is None:
         raise UserError("The scenario `labels` needs a file: sim:labels?labels=FILE.")
+    return read(Path(room.labels))
+
+
+def labels(room: Room, rng: np.random.Generator) -> Play:
+    """Both index fingers; a touch that neither can reach in time is left out. Ends by itself."""
     mine: list[Label] = []
     others: list[Label] = []
-    for label in read(Path(room.labels)):
+    for label in touches(room):
         for hand in (mine, others):
             if not hand or label.from_s - hand[-1].to_s > SHORTEST_S + 0.01:
                 hand.append(label)
@@ -102,11 +113,11 @@ def labels(room: Room, rng: np.random.Generator) -> Play:
     return Play(room, [actor for _, actor in players])
 
 
-def _taps(p: Performer, touches: list[Label]) -> Iterator[Segment]:
+def _taps(p: Performer, mine: list[Label]) -> Iterator[Segment]:
     yield from p.hold(2.5)
-    x, y = touches[0].places_mm[0]
+    x, y = mine[0].places_mm[0]
     yield from p.reach(0.9, x_mm=float(x), y_mm=float(y), height_mm=20.0)
-    for label in touches:
+    for label in mine:
         yield from _touch(p, label)
     yield from p.reach(0.3, height_mm=25.0)
 

@@ -28,6 +28,8 @@ SHRINK = 2
 """Colour is decoded and sampled at half its size, which is as fine as depth is."""
 _EXACT_AT_MM = (350.0, 800.0)
 """Where `ColourWarp` is exact; a little inside of the depths that it serves, 300 to 1000 mm."""
+_GRID_PX = 8
+"""The projections are exact on such a grid, and linear between: 64 times less to do at the start."""
 _INVERSE = np.concatenate([[0.0], 1.0 / np.arange(1, 65536)]).astype(np.float32)
 """(65536,): 1 / depth in 1/mm by depth in mm; 0 where there is none."""
 _ROOT = np.sqrt(np.arange(65536, dtype=np.float32))
@@ -65,15 +67,33 @@ class ColourWarp:
         return places
 
     def _exact_line(self, camera: Camera) -> tuple[Map, Map]:
-        rows, columns = np.indices(self._shape)
-        rays = camera.depth.rays(np.column_stack([columns.ravel(), rows.ravel()]).astype(float))
+        height, width = self._shape
+        rows, columns = _grid(height), _grid(width)
+        px = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        rays = camera.depth.rays(px)
         near, far = (_in_colour(camera, rays * z) for z in _EXACT_AT_MM)
         per_inverse_mm = (near - far) / (1 / _EXACT_AT_MM[0] - 1 / _EXACT_AT_MM[1])
         at_infinity = near - per_inverse_mm / _EXACT_AT_MM[0]
         return self._as_map(at_infinity), self._as_map(per_inverse_mm)
 
     def _as_map(self, px: Points) -> Map:
-        return np.ascontiguousarray(px.T.reshape(2, *self._shape), dtype=np.float32)
+        """Fill the pixels between the grid's: a lens bends little over so few of them."""
+        height, width = self._shape
+        rows, columns = _grid(height), _grid(width)
+        coarse = px.T.reshape(2, len(rows), len(columns))
+        filled = _between(rows, height) @ coarse @ _between(columns, width).T
+        return np.ascontiguousarray(filled, dtype=np.float32)
+
+
+def _grid(length: int) -> Points:
+    """Every eighth pixel, and one past the last."""
+    return np.arange(0.0, length + _GRID_PX, _GRID_PX)
+
+
+def _between(grid: Points, length: int) -> Points:
+    """(length, len(grid)): the weights of linear interpolation, a row a pixel."""
+    distance = np.abs(np.arange(length)[:, None] - grid[None, :]) / _GRID_PX
+    return np.maximum(1.0 - distance, 0.0)
 
 
 def blend(

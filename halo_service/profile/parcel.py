@@ -17,6 +17,7 @@ from typing import IO, Any
 import numpy as np
 
 from halo_service.errors import UserError
+from halo_service.files import appearing
 from halo_service.profile.model import Profile
 from halo_service.profile.store import TEXT, load
 
@@ -29,22 +30,18 @@ MOST_BYTES = 32 << 20
 def pack(folder: Path, out: Path) -> None:
     """Write a profile into one file. Raises `UserError`."""
     load(folder)  # whatever is sent must be readable there
-    temporary = out.with_name(f".{out.name}.part")
     try:
         text = (folder / TEXT).read_bytes()
         files = {TEXT: text}
         for name in _named(text):
             files[name] = (folder / name).read_bytes()
-        with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as parcel:
+        with appearing(out) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as parcel:
             for name, content in files.items():
                 parcel.writestr(zipfile.ZipInfo(name), content)
-        temporary.replace(out)
     except OSError as error:
         raise UserError(
             f"'{out}' cannot be written ({error.strerror}); choose another place"
         ) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def unpack(path: Path) -> Profile:

@@ -9,8 +9,10 @@ from __future__ import annotations
 import io
 import json
 import re
+import struct
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 from typing import IO, Any
 
@@ -54,9 +56,9 @@ def unpack(path: Path) -> Profile:
             for name, content in _checked(parcel).items():
                 (Path(folder) / name).write_bytes(content)
             return load(Path(folder))
-    except (ValueError, OSError, EOFError, NotImplementedError, RuntimeError) as error:
+    except (ValueError, OSError, RuntimeError) as error:
         raise _refused(path, error) from error
-    except zipfile.BadZipFile as error:
+    except (zipfile.BadZipFile, zlib.error, struct.error, SyntaxError, EOFError) as error:
         raise _refused(path, "it is no exported profile") from error
 
 

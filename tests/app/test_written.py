@@ -118,7 +118,7 @@ def test_bytes_are_not_put_where_writing_them_broke(tmp_path: Path) -> None:
 @posix
 def test_who_reads_our_lines_may_stop_at_any_time(company_data: Path) -> None:
     recording = company_data / "azure_kinect_desk.mkv"
-    halo = [Path(sys.executable).with_name("halo"), "replay", str(recording), "--jsonl", "-"]
+    halo = [str(Path(sys.executable).with_name("halo")), "replay", str(recording), "--jsonl", "-"]
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(halo, stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)

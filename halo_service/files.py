@@ -38,6 +38,11 @@ def followed(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
+def from_home(path: str) -> Path:
+    """Return a path with `~` expanded, for what comes from no shell; unknown users stay."""
+    return Path(os.path.expanduser(path))  # noqa: PTH111 - Path's own raises for unknown users
+
+
 def is_special(path: Path) -> bool:
     """Say whether there is a pipe, a device or the like, which can only be written to."""
     return path.exists() and not path.is_file() and not path.is_dir()

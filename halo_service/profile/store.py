@@ -19,6 +19,7 @@ import numpy as np
 from platformdirs import user_data_path
 
 from halo_service.errors import UserError
+from halo_service.files import from_home
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile.form import ARRAYS, FORMAT, array_files, from_json, to_json
 from halo_service.profile.lock import locked
@@ -48,7 +49,7 @@ def profiles_path() -> Path:
 def profile_path(name: str) -> Path:
     """Where a profile lives: a path if `name` has a separator, else in the user's data folder."""
     if "/" in name or os.sep in name:
-        return Path(name).expanduser()
+        return from_home(name)
     return profiles_path() / name
 
 

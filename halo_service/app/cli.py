@@ -36,11 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return demo(arguments[1:])
     options = _parser().parse_args(arguments)
-    logging.basicConfig(
-        level=logging.DEBUG if options.debug else logging.INFO,
-        format="halo: %(message)s",
-        stream=sys.stderr,
-    )
+    _speak(logging.DEBUG if options.debug else logging.INFO)
     hold_to_one()
     try:
         code = int(options.run(options))
@@ -57,6 +53,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+def _speak(level: int) -> None:
+    """Let our own modules tell what they do, and libraries no more than their warnings."""
+    logging.basicConfig(format="halo: %(message)s", stream=sys.stderr)
+    for name in ("halo_service", "halo_calibration"):
+        logging.getLogger(name).setLevel(level)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -14,6 +14,7 @@ from platformdirs import user_data_path
 
 from halo_calibration.correction import Base
 from halo_service.errors import UserError
+from halo_service.files import from_home
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +38,7 @@ def choose_base(wanted: str, camera_serial: str) -> Base | None:
     if wanted == "none":
         return None
     if wanted != "auto":
-        base = read_base(Path(wanted).expanduser())
+        base = read_base(from_home(wanted))
         if base.camera_serial != camera_serial:
             log.warning(
                 "base: '%s' was made on camera %s, this is %s: its correction may be wrong here",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -35,14 +36,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return demo(arguments[1:])
     options = _parser().parse_args(arguments)
-    logging.basicConfig(
-        level=logging.DEBUG if options.debug else logging.INFO,
-        format="halo: %(message)s",
-        stream=sys.stderr,
-    )
+    _speak(logging.DEBUG if options.debug else logging.INFO)
     hold_to_one()
     try:
-        return int(options.run(options))
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Who reads what we print has had enough, as `head` does: that is a normal end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except UserError as error:
         if options.debug:
             raise
@@ -50,6 +53,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+def _speak(level: int) -> None:
+    """Let our own modules tell what they do, and libraries no more than their warnings."""
+    logging.basicConfig(format="halo: %(message)s", stream=sys.stderr)
+    for name in ("halo_service", "halo_calibration"):
+        logging.getLogger(name).setLevel(level)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -5,6 +5,7 @@ Rule: an unknown key is answered with the known ones.
 
 from __future__ import annotations
 
+import math
 import platform
 import re
 import tomllib
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
 from halo_service.errors import UserError
+from halo_service.outputs.control import PORTS
 from halo_service.outputs.settings import ControlSettings, OscSettings, ZenohSettings
 from halo_service.sensing.settings import SensingSettings
 
@@ -63,6 +65,35 @@ class Settings:
     tracking: TrackingSettings = field(default_factory=TrackingSettings)
 
 
+@dataclass(frozen=True, slots=True)
+class Range:
+    """What a number may be, both ends included."""
+
+    least: float
+    most: float
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if math.isfinite(self.most):
+            return f"from {self.least:g} to {self.most:g}"
+        return "0 or more" if self.least == 0.0 else "more than 0"
+
+
+NOT_NEGATIVE = Range(0.0, math.inf)
+POSITIVE = Range(math.ulp(0.0), math.inf)
+RANGES = {
+    "control.port": Range(PORTS[0], PORTS[-1]),
+    "sensing.halo_threshold_mm": NOT_NEGATIVE,  # 0: what the calibration measured
+    **{
+        f"sensing.{each.name}": POSITIVE
+        for each in fields(SensingSettings)
+        if each.name != "halo_threshold_mm"
+    },
+    "tracking.max_hands": Range(1, 4),
+}
+"""Numbers that are not free, as `section.key`; none may be infinite or no number at all."""
+
+
 def load(path: Path | None) -> Settings:
     """Read a settings file; `None`: `halo.toml` in the current folder, if there is one.
 
@@ -106,10 +137,20 @@ def _value(kind: Any, value: Any, prefix: str, key: str) -> Any:
             return tuple(value)
         raise UserError(f"{prefix}'{key}' must be a list of {_word(inner)}, not {value!r}")
     if kind is float and type(value) is int:
-        return float(value)
+        value = float(value)
     if type(value) is not kind:
         raise UserError(f"{prefix}'{key}' must be {_word(kind)}, not {value!r}")
+    if kind in (int, float):
+        _check_range(value, prefix, key)
     return value
+
+
+def _check_range(value: float, prefix: str, key: str) -> None:
+    allowed = RANGES.get(f"{prefix.removesuffix(': ')}.{key}")
+    if not math.isfinite(value):
+        raise UserError(f"{prefix}'{key}' must be {allowed or 'a finite number'}, not {value}")
+    if allowed is not None and not allowed.least <= value <= allowed.most:
+        raise UserError(f"{prefix}'{key}' must be {allowed}, not {value:g}")
 
 
 def _word(kind: type) -> str:

@@ -6,12 +6,12 @@ import importlib.util
 import socket
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 from halo_calibration.base import VIRTUAL, pilot_path
 from halo_service.app.calibrate import missing
 from halo_service.app.config import Settings
 from halo_service.errors import UserError
+from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path
 
 
@@ -89,7 +89,7 @@ def _camera(settings: Settings) -> Finding:
 def _model(settings: Settings) -> Finding:
     from halo_service.tracking.model import model_path
 
-    path = Path(settings.tracking.model).expanduser() if settings.tracking.model else model_path()
+    path = from_home(settings.tracking.model) if settings.tracking.model else model_path()
     if not path.is_file():
         return Finding(
             "hand model",

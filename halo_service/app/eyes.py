@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.app.config import TrackingSettings
+from halo_service.files import from_home
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.tracking.blend import ColourWarp, blend
@@ -24,7 +23,7 @@ class Eyes:
 
     def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
         """Load the model, fetching it where it is not there yet (`UserError` where it can't be)."""
-        model = hand_model(Path(settings.model).expanduser() if settings.model else None)
+        model = hand_model(from_home(settings.model) if settings.model else None)
         self._tracker = HandTracker(model, max_hands=settings.max_hands)
         self._warp = ColourWarp(camera, _background_mm(camera, profile))
 

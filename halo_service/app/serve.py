@@ -23,6 +23,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.osc import OscOutput, destination
+from halo_service.outputs.settings import LISTEN
 from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
@@ -128,7 +129,8 @@ def _stop_on_signals(loop: LiveLoop) -> None:
 
 def _greet(settings: Settings, source: Source, profile: Profile | None, node: str) -> None:
     osc = ", ".join(settings.osc.destinations) if settings.osc.enabled else "off"
-    zenoh = ", ".join(settings.zenoh.listen + settings.zenoh.connect) or "no endpoint"
+    set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
+    zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
     log.info("source %s %s, serial %s", source.kind, settings.source.name, source.camera.serial)
     log.info("calibration %s", profile.calibrated if profile else "none")
     log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")

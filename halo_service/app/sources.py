@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from pathlib import Path
 
 from halo_service.app.config import SourceSettings
 from halo_service.errors import UserError
+from halo_service.files import from_home
 from halo_service.sources import Source
 
 log = logging.getLogger(__name__)
@@ -53,7 +53,8 @@ def _opener(kind: str, rest: str, name: str, settings: SourceSettings) -> Callab
     if kind == "recording" and rest:
         from halo_service.sources.recording import Recording
 
-        return lambda: Recording(Path(rest), realtime=not settings.fast, loop=settings.loop)
+        path = from_home(rest)
+        return lambda: Recording(path, realtime=not settings.fast, loop=settings.loop)
     if kind == "sim":
         from halo_service.virtual.live import VirtualKinect
         from halo_service.virtual.naming import wish

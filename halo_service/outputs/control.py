@@ -6,6 +6,7 @@ the receiver never throws and its queue has a bound.
 
 from __future__ import annotations
 
+import errno
 import logging
 import socket
 import threading
@@ -21,6 +22,8 @@ QUEUE = 256
 """Messages kept until the service takes them; the oldest go first."""
 SENDERS = 64
 """Senders of bad datagrams remembered, so that each is told of once."""
+PORTS = range(1, 65_536)
+"""Ports that UDP has; 0 would be one that no client knows."""
 WAKE_S = 0.2
 """How often the receiver looks whether it shall end."""
 
@@ -37,7 +40,12 @@ class ControlPort:
     """Receives in a thread of its own; the service takes messages when it has time."""
 
     def __init__(self, host: str, port: int) -> None:
-        """Bind the port. Raises `UserError` when it is taken."""
+        """Bind the port. Raises `UserError` when it is none, taken, or the host is not ours."""
+        if port not in PORTS:
+            raise UserError(
+                f"control: {port} is no port; choose one from {PORTS[0]} to {PORTS[-1]} with "
+                f"--control-port"
+            )
         self._queue: deque[Told] = deque(maxlen=QUEUE)
         self._strangers: set[tuple[str, int]] = set()
         self.bad = 0
@@ -47,10 +55,7 @@ class ControlPort:
             self._socket.bind((host, port))
         except OSError as error:
             self._socket.close()
-            raise UserError(
-                f"control: port {port} on {host} cannot be opened ({error.strerror}); another halo "
-                f"service may be running: end it, or choose another with --control-port"
-            ) from error
+            raise _refused(host, port, error) from error
         self._socket.settimeout(WAKE_S)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._receive, name="control", daemon=True)
@@ -90,3 +95,18 @@ class ControlPort:
                 log.warning("control: skipped a datagram from %s:%d: %s", *sender, error)
             return
         self._queue.extend(Told(address, arguments, sender) for address, arguments in messages)
+
+
+def _refused(host: str, port: int, error: OSError) -> UserError:
+    """Say which of the two the system did not like: the port, or the host."""
+    if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
+        remedy = "set [control] host to an address of this machine, such as 127.0.0.1"
+    elif error.errno == errno.EADDRINUSE:
+        remedy = (
+            "another halo service may be running: end it, or choose another with --control-port"
+        )
+    else:
+        remedy = "choose another with --control-port"
+    return UserError(
+        f"control: port {port} on {host} cannot be opened ({error.strerror}); {remedy}"
+    )

@@ -25,6 +25,7 @@ from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
 from halo_service.errors import UserError
+from halo_service.files import followed, is_special
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.values import Frame
@@ -49,14 +50,19 @@ class Recorder:
         `colour` asks for a COLOR track; ValueError for a camera without a colour lens, KeyError
         or ValueError for one in none of the Azure Kinect's modes.
         """
-        self._path = path
+        self._path = followed(path)
         self._lens = camera.colour if colour else None
         if colour and self._lens is None:
             raise ValueError("this camera has no colour to record")
         calibration = k4a.to_json(camera)
         if path.is_dir():
             raise UserError(f"{path} is a folder; name the file to record to.")
-        self._part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        if is_special(path):
+            raise UserError(
+                f"{path} is a pipe or device, and Matroska goes back to its beginning; "
+                "name a file to record to."
+            )
+        self._part = self._path.with_name(f".{self._path.name}.{os.getpid()}.part")
         try:
             self._file = self._part.open("wb")
         except OSError as error:

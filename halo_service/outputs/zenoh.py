@@ -7,13 +7,16 @@ retained (scene, homography, pose) also answers queries.
 from __future__ import annotations
 
 import json
+import re
+from typing import Any
 
 import zenoh
 
 import halo_protocol as wire
 from halo_protocol.names import ZENOH_KINDS
 from halo_service.errors import UserError
-from halo_service.outputs.settings import ZenohSettings
+from halo_service.files import from_home
+from halo_service.outputs.settings import LISTEN, ZenohSettings
 
 RETAINED = ("scene", "homography", "pose")
 
@@ -63,17 +66,50 @@ class ZenohOutput:
 
 
 def _open(settings: ZenohSettings) -> zenoh.Session:
+    config = _started_from(settings.config)
     try:
-        config = zenoh.Config.from_file(settings.config) if settings.config else zenoh.Config()
         config.insert_json5("mode", json.dumps("peer"))
-        config.insert_json5("listen/endpoints", json.dumps(list(settings.listen)))
-        config.insert_json5("connect/endpoints", json.dumps(list(settings.connect)))
-        config.insert_json5("scouting/multicast/enabled", json.dumps(settings.multicast))
+        _fill(config, "listen/endpoints", settings.listen, LISTEN)
+        _fill(config, "connect/endpoints", settings.connect, ())
+        _fill(config, "scouting/multicast/enabled", settings.multicast, False)
         return zenoh.open(config)
     except zenoh.ZError as error:
-        reason = str(error).strip().splitlines()[0]
+        listen, connect = (_endpoints(config, key) for key in ("listen", "connect"))
         raise UserError(
-            f"zenoh: cannot listen at {', '.join(settings.listen) or 'nothing'} or connect to "
-            f"{', '.join(settings.connect) or 'nothing'} ({reason}); another service or router may "
-            f"have the port: set [zenoh] listen or connect, or start with --no-zenoh"
+            f"zenoh: cannot listen at {', '.join(settings.listen) or listen} or connect to "
+            f"{', '.join(settings.connect) or connect} ({_reason(error)}); another service or "
+            f"router may have the port: set [zenoh] listen or connect, or start with --no-zenoh"
         ) from error
+
+
+def _started_from(path: str) -> zenoh.Config:
+    """Read the user's Zenoh configuration, or take Zenoh's own where there is none."""
+    if not path:
+        return zenoh.Config()
+    try:
+        return zenoh.Config.from_file(from_home(path))
+    except zenoh.ZError as error:
+        raise UserError(
+            f"zenoh: the configuration {path} cannot be read ({_reason(error)}); "
+            f"correct [zenoh] config, or leave it out"
+        ) from error
+
+
+def _fill(config: zenoh.Config, key: str, wanted: Any, default: Any) -> None:
+    """Set what the user wants, else leave what the file says, else our default.
+
+    Zenoh fills in what a file leaves out, so a file that says what Zenoh does says nothing.
+    """
+    if wanted or config.get_json(key) == zenoh.Config().get_json(key):
+        config.insert_json5(key, json.dumps(wanted or default))
+
+
+def _endpoints(config: zenoh.Config, key: str) -> str:
+    return config.get_json(f"{key}/endpoints").strip("[]").replace('"', "") or "nothing"
+
+
+def _reason(error: zenoh.ZError) -> str:
+    """What went wrong in Zenoh's words, without where in Zenoh's sources it did."""
+    words = re.sub(r"\s*\bat \S+\.rs:\d+\.?", "", str(error)).strip()
+    inner = re.search(r'msg: "(.*?)", location', words)
+    return inner[1] if inner else words.splitlines()[-1].strip(" =")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import io
+import math
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
@@ -27,6 +30,8 @@ FORMAT = 1
 """Version of the folder's layout; a newer one is refused. Fields that are missing are defaults."""
 ARRAYS = ("background", "correction")
 """Kinds of array files, and the keys under which the text names them."""
+SURFACE = re.compile(r"(?!(?:control|sim)$)[a-z0-9_-]{1,32}")
+"""What a surface may be called: its name is part of every address on the wire."""
 STATES = ("hover", "subtle", "touch", "pressure")
 
 
@@ -87,14 +92,11 @@ def to_json(profile: Profile, files: list[str]) -> dict[str, Any]:
 
 def from_json(data: dict[str, Any], folder: Path) -> Profile:
     """Read back what `to_json` wrote. Raises KeyError, TypeError, ValueError or OSError."""
-    surface, touch, correction = dict(data["surface"]), data["touch"], data.get("correction")
-    matrix = np.array(surface.pop("camera_from_surface"), dtype=np.float64)
-    if matrix.shape != (4, 4):
-        raise ValueError("camera_from_surface is no 4 x 4 matrix")
+    touch, correction = data["touch"], data.get("correction")
     profile = Profile(
         name=str(data["name"]),
         camera=_camera(data["camera"]),
-        surface=Surface(**surface, camera_from_surface=matrix),
+        surface=_surface(data["surface"]),
         background=_background(folder / Path(data["background"]).name),
         touch=None if touch is None else _touch(touch),
         revision=int(data["revision"]),
@@ -107,9 +109,23 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
         steps={name: StepRecord(**step) for name, step in data.get("steps", {}).items()},
     )
     wanted = (profile.camera.depth.height, profile.camera.depth.width)
-    if profile.background.mean_mm.shape != wanted:
-        raise ValueError("its background does not fit its camera")
+    background = profile.background
+    for array in (background.mean_mm, background.noise_mm, background.valid):
+        if array.shape != wanted:
+            raise ValueError("its background does not fit its camera")
     return profile
+
+
+def _surface(data: dict[str, Any]) -> Surface:
+    name, matrix = data["name"], np.array(data["camera_from_surface"], dtype=np.float64)
+    if not isinstance(name, str) or not SURFACE.fullmatch(name):
+        raise ValueError(f"its surface cannot be called {name!r:.60}")
+    width_mm, height_mm = float(data["width_mm"]), float(data["height_mm"])
+    if not all(math.isfinite(size) and size > 0.0 for size in (width_mm, height_mm)):
+        raise ValueError("its surface has no size")
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise ValueError("camera_from_surface is no 4 x 4 matrix")
+    return Surface(name, width_mm, height_mm, matrix)
 
 
 def _camera(data: dict[str, Any]) -> Camera:
@@ -133,15 +149,29 @@ def _touch(data: dict[str, Any]) -> TouchStates:
 
 
 def _background(path: Path) -> Background:
-    with np.load(path, allow_pickle=False) as arrays:
-        mean, noise, valid = arrays["mean_mm"], arrays["noise_mm"], arrays["valid"]
-    return Background(mean.astype(np.float32), noise.astype(np.float32), valid.astype(np.bool_))
+    read = _arrays(path, ("mean_mm", "noise_mm", "valid"))
+    return Background(
+        read["mean_mm"].astype(np.float32),
+        read["noise_mm"].astype(np.float32),
+        read["valid"].astype(np.bool_),
+    )
 
 
 def _correction(data: dict[str, Any], folder: Path) -> Correction:
     names = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
-    with np.load(folder / Path(data["arrays"]).name, allow_pickle=False) as arrays:
-        read = {name: arrays[name].astype(np.float32) for name in names}
+    arrays = _arrays(folder / Path(data["arrays"]).name, names)
+    read = {name: array.astype(np.float32) for name, array in arrays.items()}
     if read["strength"].shape != tuple(len(read[name]) for name in names[:4]):
         raise ValueError("its correction's grid does not fit its axes")
     return Correction(**read, base=str(data["base"]))
+
+
+def _arrays(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """Read arrays by name. Raises OSError where there is no file, ValueError for a damaged one."""
+    content = path.read_bytes()
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in names}
+    except Exception as error:
+        # NumPy, zipfile and zlib have a dozen ways to say that bytes are not what was written.
+        raise ValueError(f"its {path.name} is damaged") from error

@@ -9,14 +9,17 @@ from __future__ import annotations
 import io
 import json
 import re
+import struct
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
 from halo_service.errors import UserError
+from halo_service.files import appearing
 from halo_service.profile.model import Profile
 from halo_service.profile.store import TEXT, load
 
@@ -29,22 +32,18 @@ MOST_BYTES = 32 << 20
 def pack(folder: Path, out: Path) -> None:
     """Write a profile into one file. Raises `UserError`."""
     load(folder)  # whatever is sent must be readable there
-    temporary = out.with_name(f".{out.name}.part")
     try:
         text = (folder / TEXT).read_bytes()
         files = {TEXT: text}
         for name in _named(text):
             files[name] = (folder / name).read_bytes()
-        with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as parcel:
+        with appearing(out) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as parcel:
             for name, content in files.items():
                 parcel.writestr(zipfile.ZipInfo(name), content)
-        temporary.replace(out)
     except OSError as error:
         raise UserError(
             f"'{out}' cannot be written ({error.strerror}); choose another place"
         ) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def unpack(path: Path) -> Profile:
@@ -57,9 +56,9 @@ def unpack(path: Path) -> Profile:
             for name, content in _checked(parcel).items():
                 (Path(folder) / name).write_bytes(content)
             return load(Path(folder))
-    except (ValueError, OSError, EOFError, NotImplementedError, RuntimeError) as error:
+    except (ValueError, OSError, RuntimeError) as error:
         raise _refused(path, error) from error
-    except zipfile.BadZipFile as error:
+    except (zipfile.BadZipFile, zlib.error, struct.error, SyntaxError, EOFError) as error:
         raise _refused(path, "it is no exported profile") from error
 
 

@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from platformdirs import user_data_path
 
 from halo_service.errors import UserError
-from halo_service.geometry.camera import Camera
+from halo_service.files import from_home
+from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile.form import ARRAYS, FORMAT, array_files, from_json, to_json
 from halo_service.profile.lock import locked
 from halo_service.profile.model import Profile
@@ -27,6 +28,17 @@ from halo_service.profile.model import Profile
 TEXT = "profile.json"
 TRIES = 5
 """A reader that meets a writer's cleaning-up reads anew; each time the text has to be newer."""
+
+UNREADABLE = (
+    LookupError,
+    TypeError,
+    ValueError,
+    AttributeError,
+    ArithmeticError,
+    RuntimeError,
+    OSError,
+)
+"""What reading a text can raise that somebody else wrote, or nobody: values, shapes, nesting."""
 
 
 def profiles_path() -> Path:
@@ -37,7 +49,7 @@ def profiles_path() -> Path:
 def profile_path(name: str) -> Path:
     """Where a profile lives: a path if `name` has a separator, else in the user's data folder."""
     if "/" in name or os.sep in name:
-        return Path(name).expanduser()
+        return from_home(name)
     return profiles_path() / name
 
 
@@ -97,25 +109,35 @@ def load(folder: Path) -> Profile:
                     raise
                 text = newer
         raise OSError("it changes all the time")
-    except (KeyError, TypeError, ValueError, AttributeError, OSError, zipfile.BadZipFile) as error:
+    except UNREADABLE as error:
         raise UserError(
-            f"the profile {folder} cannot be read ({error}); calibrate anew or restore it"
+            f"the profile {folder} cannot be read ({error}); restore it, or remove it and "
+            f"calibrate anew"
         ) from error
 
 
 def require_fit(profile: Profile, camera: Camera) -> None:
     """Raise `UserError` when the profile belongs to another camera, mode or lens."""
     made = profile.camera
-    for what, ours, theirs in (
-        ("camera", camera.serial, made.serial),
-        ("depth mode", camera.depth_mode, made.depth_mode),
-        ("depth lens", camera.depth, made.depth),
+    for what, ours, theirs, same in (
+        ("camera", camera.serial, made.serial, camera.serial == made.serial),
+        ("depth mode", camera.depth_mode, made.depth_mode, camera.depth_mode == made.depth_mode),
+        ("depth lens", camera.depth, made.depth, _same_lens(camera.depth, made.depth)),
     ):
-        if ours != theirs:
+        if not same:
             raise UserError(
                 f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
                 f"choose the profile made with this camera, or calibrate it anew"
             )
+
+
+def _same_lens(a: Lens, b: Lens) -> bool:
+    """Compare to what a calibration file keeps of a lens; it is not read back to the last bit."""
+    return np.allclose(_numbers(a), _numbers(b), rtol=1e-6, atol=1e-9)
+
+
+def _numbers(lens: Lens) -> list[float]:
+    return [lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, *lens.distortion]
 
 
 def _read(text: bytes, folder: Path) -> Profile:
@@ -131,7 +153,7 @@ def _read(text: bytes, folder: Path) -> Profile:
 def _write(profile: Profile, folder: Path) -> None:
     files = array_files(profile)
     for name, content in files.items():
-        if not (folder / name).is_file():  # its name tells its content
+        if not _holds(folder / name, content):
             _replace(folder / name, content)
     text = json.dumps(to_json(profile, list(files)), indent=2) + "\n"
     _replace(folder / TEXT, text.encode())
@@ -141,6 +163,11 @@ def _write(profile: Profile, folder: Path) -> None:
                 old.unlink(missing_ok=True)
     for left in folder.glob(".*.part"):  # by a writer that was killed: we hold the lock
         left.unlink(missing_ok=True)
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    """Its name tells what a file should hold; one that was damaged since is written anew."""
+    return path.is_file() and path.read_bytes() == content
 
 
 def _replace(path: Path, content: bytes) -> None:

@@ -45,8 +45,7 @@ class KinectFile:
         self._path = path
         self._file = open_matroska(path)
         try:
-            self._size = path.stat().st_size
-            self._declared = declared_size(self._file)
+            self._complete = self._checked_size()
             self._readable = True
             self._container = self._demuxer()
             self._tracks = self._checked_tracks()
@@ -90,12 +89,25 @@ class KinectFile:
     @property
     def whole(self) -> bool:
         """Whether the file is all there: as long as it says, and it says so when it is closed."""
-        return self._readable and self._declared is not None and self._size >= self._declared
+        return self._readable and self._complete
 
     def close(self) -> None:
         """May be called twice."""
         self._container.close()
         self._file.close()
+
+    def _checked_size(self) -> bool:
+        """Whether the file is as long as it says; False where it was never closed and says nothing.
+
+        Raises UserError where it is shorter: better at once than after the frames that are left.
+        """
+        declared, size = declared_size(self._file), self._path.stat().st_size
+        if declared is not None and size < declared:
+            raise UserError(
+                f"{self._path} is truncated: it has {size} of its {declared} bytes; "
+                "copy or record it again."
+            )
+        return declared is not None
 
     def _demuxer(self) -> InputContainer:
         self._file.seek(0)

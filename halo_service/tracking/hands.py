@@ -28,7 +28,12 @@ class HandTracker:
     """Hands in one film of pictures. Used from one thread at a time."""
 
     def __init__(self, model_path: Path, max_hands: int = 2) -> None:
-        """Load the model (0.2 s); raises UserError for a file that is no Hand Landmarker."""
+        """Load the model (0.2 s); raises UserError for a file that is no Hand Landmarker.
+
+        `max_hands`: 1 or more, ValueError otherwise.
+        """
+        if max_hands < 1:
+            raise ValueError(f"max_hands must be 1 or more, not {max_hands}")
         options = vision.HandLandmarkerOptions(
             base_options=BaseOptions(
                 model_asset_path=str(model_path), delegate=BaseOptions.Delegate.CPU
@@ -40,9 +45,9 @@ class HandTracker:
         with without_known_noise():
             try:
                 self._landmarker = vision.HandLandmarker.create_from_options(options)
-            except (RuntimeError, ValueError) as error:
+            except (RuntimeError, ValueError, OSError) as error:
                 raise UserError(
-                    f"the hand model {model_path} cannot be loaded ({error}); "
+                    f"the hand model {model_path} cannot be loaded ({_first_line(error)}); "
                     "correct `tracking.model`, or leave the key out"
                 ) from error
             # The first picture costs more and says more than all others: get it over with.
@@ -75,3 +80,8 @@ def to_pixels(landmarks: list[NormalizedLandmark], width: int, height: int) -> P
     """(21, 2): MediaPipe's 0 and 1 are the picture's outer edges, our pixels count centres."""
     relative = np.array([(mark.x, mark.y) for mark in landmarks], dtype=np.float64)
     return relative * (width, height) - 0.5
+
+
+def _first_line(error: Exception) -> str:
+    """What MediaPipe says, without the source lines that it puts after it."""
+    return str(error).strip().partition("\n")[0]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import logging
 import os
 import shutil
 import subprocess
@@ -24,6 +25,8 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from halo_service.errors import UserError
+
+log = logging.getLogger(__name__)
 
 _PACKAGE = "mediapipe==0.10.21"
 _NETWORKS = {
@@ -118,10 +121,16 @@ def _make(path: Path, scratch: Path) -> None:
 def _install(target: Path) -> None:
     command = [*_installer(), "--target", str(target), _PACKAGE]
     try:
-        # What the installer says of its progress belongs on the terminal, not into our output.
-        subprocess.run(command, stdout=2, check=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise UserError(f"the hand model could not be fetched ({error}); {_OR_ELSE}") from error
+        done = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+        )
+    except OSError as error:
+        raise UserError(
+            f"the hand model could not be fetched ({command[0]}: {error.strerror}); {_OR_ELSE}"
+        ) from error
+    log.debug("hand model: %s\n%s", " ".join(command), done.stdout)
+    if done.returncode != 0:
+        raise UserError(f"the hand model could not be fetched; {_OR_ELSE}")
 
 
 def _installer() -> list[str]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.errors import UserError
+from halo_service.files import appearing
 from halo_service.values import Finger, Frame
 from halo_service.virtual.curves import STATES, THRESHOLD_MM, background
 from halo_service.virtual.hand import pointing
@@ -46,10 +47,11 @@ def save(path: Path, seed: int = 1) -> None:
     if path.suffix.lower() not in (".png", ".jpg", ".webp"):
         raise UserError(f"The gallery is a picture: name it *.png, *.jpg or *.webp, not {path}.")
     coded, data = cv2.imencode(path.suffix, image)
+    assert coded, "OpenCV encodes any uint8 picture"
     try:
-        path.write_bytes(data.tobytes() if coded else b"")
+        with appearing(path) as file:
+            file.write(data.tobytes())
     except OSError as error:
-        path.unlink(missing_ok=True)
         raise UserError(f"{path} cannot be written: {error.strerror}.") from None
 
 

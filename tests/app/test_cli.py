@@ -73,6 +73,26 @@ def test_debug_shows_the_traceback(tmp_path: Path) -> None:
     assert "Traceback" in result.stderr
 
 
+CHATTER = """
+import logging
+from halo_service.app.cli import main
+main(["profile", "list"])
+for name in ("matplotlib.font_manager", "halo_service.app", "halo_calibration.steps"):
+    logging.getLogger(name).info("%s speaks", name)
+    logging.getLogger(name).warning("%s warns", name)
+"""
+
+
+def test_libraries_are_heard_only_when_they_warn(tmp_path: Path) -> None:
+    said = subprocess.run(
+        [sys.executable, "-c", CHATTER], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    ).stderr
+    assert "font_manager speaks" not in said
+    assert "halo: halo_service.app speaks" in said
+    assert "halo: halo_calibration.steps speaks" in said
+    assert "halo: matplotlib.font_manager warns" in said
+
+
 @pytest.mark.parametrize("verb", [[], ["serve"], ["replay"], ["monitor"]])
 def test_help_helps(verb: list[str], tmp_path: Path) -> None:
     result = halo(*verb, "--help", cwd=tmp_path)

@@ -66,11 +66,14 @@ def test_a_profile_changed_on_disk_is_taken_up(kept: tuple[Keeper, Path], profil
     assert state.profile.halo_threshold_mm == 5.5
 
 
+@pytest.mark.parametrize("name", ["profile.json", "background-*.npz"])
 def test_a_spoilt_profile_leaves_the_one_that_was_there(
-    kept: tuple[Keeper, Path], profile: Profile, caplog: pytest.LogCaptureFixture
+    kept: tuple[Keeper, Path], profile: Profile, caplog: pytest.LogCaptureFixture, name: str
 ) -> None:
     keeper, folder = kept
-    (folder / "profile.json").write_text("{")
+    (path,) = folder.glob(name)
+    path.write_bytes(b"")
+    (folder / "profile.json").touch()
     until = time.monotonic() + PATIENCE_S
     while "cannot be read" not in caplog.text and time.monotonic() < until:
         time.sleep(0.02)

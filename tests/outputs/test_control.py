@@ -81,3 +81,16 @@ def test_a_port_in_use_is_one_sentence(port: tuple[ControlPort, socket.socket]) 
     _, client = port
     with pytest.raises(UserError, match="another halo service may be running"):
         ControlPort("127.0.0.1", client.getpeername()[1])
+
+
+@pytest.mark.parametrize("number", [-1, 0, 65_536, 70_000])
+def test_a_number_that_is_no_port_is_one_sentence(number: int) -> None:
+    with pytest.raises(UserError, match=f"{number} is no port; choose one from 1 to 65535"):
+        ControlPort("127.0.0.1", number)
+
+
+@pytest.mark.parametrize("host", ["no.such.host.invalid", "192.0.2.1"])
+def test_a_host_that_is_not_ours_is_not_blamed_on_another_service(host: str) -> None:
+    with pytest.raises(UserError, match="host to an address of this machine") as caught:
+        ControlPort(host, 9001)
+    assert "another halo service" not in str(caught.value)

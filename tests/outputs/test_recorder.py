@@ -1,5 +1,6 @@
 """Recording: what is written reads back equal, whole or not at all."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -221,3 +222,19 @@ def test_a_full_disk_is_said_and_leaves_nothing(tmp_path, limit):
     assert "r.mkv cannot be written" in done.stdout
     assert done.stderr == ""
     assert left_in(tmp_path) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights on Windows")
+def test_a_link_is_followed_and_stays_a_link(tmp_path):
+    (tmp_path / "link.mkv").symlink_to(tmp_path / "r.mkv")
+    record(tmp_path / "link.mkv", frames())
+    assert (tmp_path / "link.mkv").is_symlink()
+    assert len(play(tmp_path / "r.mkv")[1]) == len(frames())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no FIFOs on Windows")
+def test_a_pipe_is_refused_and_stays_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "r.mkv")
+    with pytest.raises(UserError, match="is a pipe or device"):
+        Recorder(tmp_path / "r.mkv", CAMERA, fps=30, colour=False)
+    assert (tmp_path / "r.mkv").is_fifo()

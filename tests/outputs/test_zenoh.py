@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -79,6 +80,87 @@ def test_frames_are_not_retained(output: ZenohOutput, client: zenoh.Session) -> 
 def test_a_token_says_that_the_node_is_there(output: ZenohOutput, client: zenoh.Session) -> None:
     tokens = list(client.liveliness().get("halo/1/*/alive", timeout=WAIT_S))
     assert [str(token.ok.key_expr) for token in tokens if token.ok] == ["halo/1/desk/alive"]
+
+
+def opened_with(settings: ZenohSettings, monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """What Zenoh would be opened with; it is not opened, for it would take the usual port."""
+    got: list[zenoh.Config] = []
+
+    def refuse(config: zenoh.Config) -> None:
+        got.append(config)
+        raise zenoh.ZError("enough seen")
+
+    monkeypatch.setattr(zenoh, "open", refuse)
+    with pytest.raises(UserError, match="enough seen"):
+        ZenohOutput(settings, "desk", "table")
+    keys = ("listen/endpoints", "connect/endpoints", "scouting/multicast/enabled")
+    return {key.partition("/")[0]: json.loads(got[0].get_json(key)) for key in keys}
+
+
+ELSEWHERE = "tcp/127.0.0.1:7999"
+FILE = {
+    "listen": {"endpoints": [ELSEWHERE]},
+    "connect": {"endpoints": ["tcp/127.0.0.1:7998"]},
+    "scouting": {"multicast": {"enabled": True}},
+}
+
+
+@pytest.mark.parametrize(
+    ("file", "options", "opened"),
+    [
+        (None, {}, (["tcp/127.0.0.1:7447"], [], False)),
+        ({}, {}, (["tcp/127.0.0.1:7447"], [], False)),
+        (FILE, {}, ([ELSEWHERE], ["tcp/127.0.0.1:7998"], True)),
+        (
+            FILE,
+            {"listen": ("udp/127.0.0.1:1",)},
+            (["udp/127.0.0.1:1"], ["tcp/127.0.0.1:7998"], True),
+        ),
+        (FILE, {"connect": ("udp/127.0.0.1:1",)}, ([ELSEWHERE], ["udp/127.0.0.1:1"], True)),
+        ({"listen": {"endpoints": []}}, {}, ([], [], False)),
+        ({}, {"multicast": True}, (["tcp/127.0.0.1:7447"], [], True)),
+    ],
+)
+def test_settings_count_before_the_file_and_the_file_before_our_defaults(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    file: object,
+    options: dict[str, object],
+    opened: tuple[object, ...],
+) -> None:
+    path = tmp_path / "zenoh.json5"
+    path.write_text(json.dumps(file))
+    settings = ZenohSettings(config="" if file is None else str(path), **options)  # type: ignore[arg-type]
+    assert tuple(opened_with(settings, monkeypatch).values()) == opened
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "No such file"),
+        ("{ listen: ", "expected array"),
+        ("{ lisen: 3 }", "unknown field `lisen`"),
+    ],
+)
+def test_a_configuration_that_cannot_be_read_is_one_sentence(
+    tmp_path: Path, content: str | None, says: str
+) -> None:
+    path = tmp_path / "zenoh.json5"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(UserError, match="correct \\[zenoh\\] config, or leave it out") as caught:
+        ZenohOutput(ZenohSettings(config=str(path)), "desk", "table")
+    assert says in str(caught.value)
+    assert "may have the port" not in str(caught.value)
+    assert ".rs" not in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("listen", ["tcp/256.0.0.1:1", "rubbish", "foo/127.0.0.1:1"])
+def test_an_endpoint_that_is_none_is_told_without_zenohs_sources(listen: str) -> None:
+    with pytest.raises(UserError, match="zenoh: cannot listen at") as caught:
+        ZenohOutput(ZenohSettings(listen=(listen,)), "desk", "table")
+    assert ".rs" not in str(caught.value)
 
 
 def test_an_endpoint_in_use_is_one_sentence(endpoint: str, output: ZenohOutput) -> None:

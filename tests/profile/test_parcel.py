@@ -112,6 +112,18 @@ def test_what_is_no_archive_is_refused(tmp_path: Path) -> None:
         unpack(tmp_path / "none.halo")
 
 
+def test_a_flipped_byte_is_never_a_traceback(parcel: Path) -> None:
+    whole = parcel.read_bytes()
+    refused = 0
+    for place in range(0, len(whole), 5):
+        parcel.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        try:
+            unpack(parcel)
+        except UserError:
+            refused += 1
+    assert refused > 0
+
+
 def test_no_profile_is_written_over(parcel: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="already"):
         profiles.import_profile(parcel, str(tmp_path / "desk"))

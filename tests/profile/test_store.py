@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from halo_service.errors import UserError
+from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Background, HeldState, Profile, TouchStates
 from halo_service.profile.store import load, profile_path, require_fit, save
+from halo_service.virtual.camera import factory
 
 
 @pytest.fixture
@@ -103,6 +105,79 @@ def test_a_profile_that_cannot_be_read_is_one_sentence(
         load(tmp_path)
 
 
+def arrays_of(folder: Path) -> Path:
+    (path,) = folder.glob("background-*.npz")
+    return path
+
+
+def outcome(folder: Path) -> str:
+    """What `load` says: anything but a profile or one sentence goes through."""
+    try:
+        load(folder)
+    except UserError as error:
+        return str(error)
+    return ""
+
+
+def test_an_array_file_cut_anywhere_is_one_sentence(profile: Profile, tmp_path: Path) -> None:
+    save(profile, tmp_path)
+    path = arrays_of(tmp_path)
+    whole = path.read_bytes()
+    for length in range(0, len(whole), 7):
+        path.write_bytes(whole[:length])
+        assert "cannot be read" in outcome(tmp_path), f"cut at {length}"
+
+
+@pytest.mark.parametrize("name", ["profile.json", "background-*.npz"])
+def test_a_flipped_byte_is_never_a_traceback(profile: Profile, tmp_path: Path, name: str) -> None:
+    save(profile, tmp_path)
+    (path,) = tmp_path.glob(name)
+    whole = path.read_bytes()
+    said = set()
+    for place in range(0, len(whole), 3):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        said.add(outcome(tmp_path).partition("(")[0])
+    assert any("cannot be read" in each for each in said)
+
+
+def test_saving_anew_mends_a_damaged_array_file(profile: Profile, tmp_path: Path) -> None:
+    save(profile, tmp_path)
+    arrays_of(tmp_path).write_bytes(b"")
+    save(profile, tmp_path)
+    assert_same(load(tmp_path), profile)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("name", "Table"),
+        ("name", "control"),
+        ("name", "sim"),
+        ("name", ""),
+        ("name", "a" * 33),
+        ("name", "../up"),
+        ("name", "table\n"),
+        ("name", 3),
+        ("width_mm", 0.0),
+        ("width_mm", -300.0),
+        ("height_mm", float("nan")),
+        ("height_mm", float("inf")),
+        ("height_mm", "wide"),
+        ("camera_from_surface", [[float("nan")] * 4] * 4),
+        ("camera_from_surface", [[1.0] * 3] * 3),
+    ],
+)
+def test_a_surface_that_cannot_be_is_refused(
+    profile: Profile, tmp_path: Path, key: str, value: object
+) -> None:
+    save(profile, tmp_path)
+    data = json.loads((tmp_path / "profile.json").read_text())
+    data["surface"][key] = value
+    (tmp_path / "profile.json").write_text(json.dumps(data))
+    with pytest.raises(UserError, match="cannot be read"):
+        load(tmp_path)
+
+
 def test_where_no_profile_is_one_is_asked_for(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no profile at"):
         load(tmp_path)
@@ -122,6 +197,21 @@ def test_a_profile_of_another_camera_is_refused(
     require_fit(profile, profile.camera)
     with pytest.raises(UserError, match=says):
         require_fit(profile, replace(profile.camera, **changed))  # type: ignore[arg-type]
+
+
+def test_a_camera_that_went_through_a_calibration_file_is_the_same() -> None:
+    camera = factory()
+    mode = {"depth_mode": camera.depth_mode, "colour_resolution": "720P", "fps": camera.fps}
+    again = k4a.from_json(k4a.to_json(camera), **mode)  # type: ignore[arg-type]
+    flat = np.full((camera.depth.height, camera.depth.width), 500, np.float32)
+    surface = Surface("table", 300.0, 200.0, np.eye(4))
+    made = Profile("desk", camera, surface, Background(flat, flat, flat > 0), None, 1)
+    require_fit(made, again)
+    nudged = replace(again.depth, fx=again.depth.fx * (1.0 + 1e-9))
+    require_fit(made, replace(again, depth=nudged))
+    other = replace(again.depth, fx=again.depth.fx * (1.0 + 1e-4))
+    with pytest.raises(UserError, match="belongs to depth lens"):
+        require_fit(made, replace(again, depth=other))
 
 
 def test_a_name_lives_in_the_data_folder_and_a_path_where_it_says() -> None:

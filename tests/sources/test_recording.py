@@ -59,18 +59,14 @@ def test_a_real_recording_brings_its_camera():
 
 
 @real_file
-def test_a_real_recording_cut_anywhere_is_refused_or_says_so_after_its_frame(tmp_path):
+def test_a_real_recording_cut_anywhere_is_refused_at_once(tmp_path):
     data = REAL.read_bytes()
     path = tmp_path / "cut.mkv"
     outcomes = set()
     for length in [*range(4, 9000, 301), *range(9000, len(data), 40_009), len(data) - 1]:
         path.write_bytes(data[:length])
         outcomes.add(outcome_of(path))
-    assert outcomes == {
-        (0, "header is cut off"),
-        (0, "no readable frame"),
-        (1, "breaks off after 1"),
-    }
+    assert outcomes == {(0, "header is cut off"), (0, "is truncated:")}
 
 
 def outcome_of(path: Path) -> tuple[int, str]:
@@ -86,19 +82,24 @@ def outcome_of(path: Path) -> tuple[int, str]:
     except EndOfSource:
         return frames, "a normal end"
     except UserError as error:
-        known = ("header is cut off", "no readable frame", "breaks off after")
+        known = ("header is cut off", "is truncated:", "breaks off after")
         said = next((words for words in known if words in str(error)), str(error))
         return frames, f"{said} {frames}" if said == known[2] else said
 
 
-def test_our_own_recording_cut_anywhere_never_ends_normally(tmp_path, small_recording):
+def test_our_own_recording_cut_anywhere_is_refused_at_once(tmp_path, small_recording):
     data = small_recording.read_bytes()
     path = tmp_path / "cut.mkv"
     for length in [*range(4, len(data), 9001), len(data) - 1]:
         path.write_bytes(data[:length])
-        frames, said = outcome_of(path)
-        assert said != "a normal end", f"cut at byte {length} of {len(data)} after {frames} frames"
-        assert f"breaks off after {frames}" == said or frames == 0
+        assert outcome_of(path) in ((0, "header is cut off"), (0, "is truncated:")), length
+
+
+def test_a_truncated_recording_is_refused_when_it_is_opened(tmp_path, small_recording):
+    path = tmp_path / "cut.mkv"
+    path.write_bytes(small_recording.read_bytes()[:-1])
+    with pytest.raises(UserError, match=r"cut\.mkv is truncated: it has \d+ of its \d+ bytes"):
+        Recording(path, realtime=False, loop=False)
 
 
 def test_a_recording_that_was_never_closed_says_so_at_its_end(tmp_path, small_recording):

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -123,11 +124,30 @@ def test_a_real_desk_without_a_hand_has_none(tracker):
         assert tracker.find(picture, n * 33_333).hands == ()
 
 
-def test_a_file_that_is_no_model_is_refused(tmp_path):
+def a_foreign_zip(path: Path) -> None:
+    with zipfile.ZipFile(path, "w") as bundle:
+        bundle.writestr("readme.txt", "no network in here")
+
+
+NO_MODELS = {
+    "rubbish": lambda path: path.write_bytes(b"PK\x03\x04 not a model"),
+    "a zip of something else": a_foreign_zip,
+    "nothing": lambda path: None,
+}
+
+
+@pytest.mark.parametrize("write", NO_MODELS.values(), ids=NO_MODELS)
+def test_a_file_that_is_no_model_is_refused_in_one_line(tmp_path, write):
     path = tmp_path / "own.task"
-    path.write_bytes(b"PK\x03\x04 not a model")
-    with pytest.raises(UserError, match=r"own\.task cannot be loaded"):
+    write(path)
+    with pytest.raises(UserError, match=r"own\.task cannot be loaded") as caught:
         HandTracker(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_number_of_hands_is_not_blamed_on_the_model():
+    with pytest.raises(ValueError, match="max_hands must be 1 or more, not 0"):
+        HandTracker(hand_model(None), max_hands=0)
 
 
 def test_starting_says_nothing_on_the_terminal():

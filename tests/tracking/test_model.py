@@ -96,8 +96,20 @@ def test_a_fetch_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script,
     last = done.stderr.splitlines()[-1]
     assert says in last
     assert "set `tracking.model` in halo.toml" in last
+    assert "--target" not in done.stderr
+    assert "no route to host" not in done.stderr
     assert "Traceback" not in done.stderr
     assert list(cache.glob("halo-service/*")) == []
+
+
+@posix
+def test_the_installers_own_words_are_kept_for_who_wants_more(tmp_path, monkeypatch, caplog):
+    monkeypatch.setenv("UV", installer(tmp_path, "sys.exit('no route to host')"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with caplog.at_level("DEBUG"), pytest.raises(UserError) as caught:
+        model.hand_model(None)
+    assert "no route to host" in caplog.text
+    assert str(caught.value).startswith("the hand model could not be fetched; connect to")
 
 
 @posix

@@ -191,7 +191,8 @@ def _date(source: str) -> str:
 
 def _eyes(source: Source, settings: Settings, stack: ExitStack) -> Callable[[Profile | None], Look]:
     def look_with(profile: Profile | None) -> Look:
-        eyes = Eyes(source.camera, profile, settings.tracking)
+        # One hand calibrates, and searching for a second doubles the tracker's time.
+        eyes = Eyes(source.camera, profile, replace(settings.tracking, max_hands=1))
         stack.callback(eyes.close)
         return eyes.look
 

@@ -8,6 +8,7 @@ place is not looked at. Only a live virtual source gets one; a recording never d
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 from halo_calibration import steps
 from halo_calibration.errors import Refused
@@ -42,7 +43,7 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
     setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED)
     try:
         with ExitStack() as stack:
-            eyes = Eyes(user.camera, None, settings.tracking)
+            eyes = Eyes(user.camera, None, replace(settings.tracking, max_hands=1))
             stack.callback(eyes.close)
             empty = list(session.lasting(BACKGROUND_S, "background"))
             profile = steps.background_change(setup, empty, eyes.look)(None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -116,7 +117,7 @@ def calibrate(take: Path) -> Iterator[Callable[..., Profile]]:
     def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
         settings = Settings()
         with closing(Without(Recording(take, realtime=False, loop=False), *lost)) as source:
-            eyes = Eyes(source.camera, None, settings.tracking)
+            eyes = Eyes(source.camera, None, replace(settings.tracking, max_hands=1))
             try:
                 setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
                 scripted = Scripted(setup, Session(source), lambda known: eyes.look, print)

@@ -29,7 +29,7 @@ SHRINK = 2
 _EXACT_AT_MM = (350.0, 800.0)
 """Where `ColourWarp` is exact; a little inside of the depths that it serves, 300 to 1000 mm."""
 _GRID_PX = 8
-"""The projections are exact on such a grid, and linear between: 64 times less to do at the start."""
+"""The projections are exact on such a grid and linear between: 64 times less to do at a start."""
 _INVERSE = np.concatenate([[0.0], 1.0 / np.arange(1, 65536)]).astype(np.float32)
 """(65536,): 1 / depth in 1/mm by depth in mm; 0 where there is none."""
 _ROOT = np.sqrt(np.arange(65536, dtype=np.float32))

@@ -1,0 +1,39 @@
+"""The gallery: a picture with a field for each material and state, or one sentence."""
+
+import cv2
+import pytest
+
+from halo_service.errors import UserError
+from halo_service.virtual.curves import STATES
+from halo_service.virtual.gallery import BORDER_PX, FIELD_PX, gallery, save
+from halo_service.virtual.materials import MATERIALS
+
+
+def test_every_material_and_state_has_its_field(tmp_path):
+    path = tmp_path / "gallery.png"
+    save(path, seed=2)
+    image = cv2.imread(str(path))
+    side = 2 * FIELD_PX
+    assert image.shape[0] == BORDER_PX + len(MATERIALS) * side
+    assert image.shape[1] >= len(STATES) * side
+    row = BORDER_PX + list(MATERIALS).index("suede") * side
+    white = [
+        (image[row : row + FIELD_PX, x + FIELD_PX : x + side] == 255).all(axis=2).sum()
+        for x in (BORDER_PX + k * (side + BORDER_PX) for k in range(len(STATES)))
+    ]
+    assert white == sorted(white)  # the halo grows from state to state
+    assert white[-1] > white[0] + 100
+
+
+@pytest.mark.parametrize(
+    "name, sentence", [("picture.txt", "name it"), ("absent/picture.png", "cannot be written")]
+)
+def test_a_gallery_that_cannot_be_written_is_one_sentence(tmp_path, name, sentence, monkeypatch):
+    monkeypatch.setattr("halo_service.virtual.gallery.MATERIALS", {"paper": MATERIALS["paper"]})
+    with pytest.raises(UserError, match=sentence):
+        save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_user_gives_one_gallery():
+    assert (gallery(3) == gallery(3)).all()

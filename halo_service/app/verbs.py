@@ -1,0 +1,151 @@
+"""What each verb of `halo` does with its options; each imports what it needs, and no more.
+
+Rule: a verb returns its exit code. The command line wins over the settings file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import replace
+
+from halo_service.errors import UserError
+
+
+def serve(options: argparse.Namespace) -> int:
+    """Run the service."""
+    from halo_service.app.config import load
+    from halo_service.app.serve import serve as run
+
+    settings = load(options.config)
+    source = replace(
+        settings.source,
+        name=options.source or settings.source.name,
+        loop=options.loop or settings.source.loop,
+        fast=options.fast or settings.source.fast,
+    )
+    osc = replace(
+        settings.osc,
+        enabled=settings.osc.enabled and not options.no_osc,
+        destinations=tuple(options.osc or settings.osc.destinations),
+    )
+    zenoh = replace(
+        settings.zenoh,
+        enabled=settings.zenoh.enabled and not options.no_zenoh,
+        listen=tuple(options.zenoh_listen or settings.zenoh.listen),
+        connect=tuple(options.zenoh_connect or settings.zenoh.connect),
+    )
+    port = settings.control.port if options.control_port is None else options.control_port
+    run(
+        replace(
+            settings,
+            node=options.node or settings.node,
+            profile=options.profile or settings.profile,
+            source=source,
+            osc=osc,
+            zenoh=zenoh,
+            control=replace(settings.control, port=port),
+        )
+    )
+    return 0
+
+
+def replay(options: argparse.Namespace) -> int:
+    """Sense a recording into a file."""
+    from halo_service.app.config import load
+    from halo_service.app.replay import replay as sense
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    count = sense(options.recording, options.jsonl, replace(settings, profile=profile))
+    print(f"halo: {count} frames", file=sys.stderr)
+    return 0
+
+
+def simulate(options: argparse.Namespace) -> int:
+    """Draw a take of the virtual Kinect, or its gallery."""
+    from halo_service.app.takes import Simulated
+    from halo_service.app.takes import simulate as draw
+
+    if options.gallery is not None:
+        from halo_service.virtual.gallery import save
+
+        save(options.gallery, 1 if options.seed is None else options.seed)
+    elif options.scenario is None or options.out is None:
+        raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
+    if options.scenario is not None and options.out is not None:
+        asked = Simulated(
+            options.scenario,
+            options.out,
+            options.truth,
+            options.script,
+            options.seed,
+            options.seconds,
+            not options.no_colour,
+        )
+        print(f"halo: {draw(asked)} frames in {options.out}", file=sys.stderr)
+    return 0
+
+
+def record(options: argparse.Namespace) -> int:
+    """Record any source."""
+    from halo_service.app.config import load
+    from halo_service.app.takes import record as take
+
+    settings = load(options.config).source
+    settings = replace(settings, name=options.source or settings.name)
+    count = take(options.out, settings, options.seconds, not options.no_colour)
+    print(f"halo: {count} frames in {options.out}", file=sys.stderr)
+    return 0
+
+
+def calibrate(options: argparse.Namespace) -> int:
+    """Teach the service a place and a finger."""
+    from halo_calibration.touch import Stated
+    from halo_service.app.calibrate import Wish, pilot
+    from halo_service.app.calibrate import calibrate as teach
+    from halo_service.app.config import load
+    from halo_service.values import Side
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
+    side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    if options.step == "pilot":
+        pilot(settings, options.rounds, options.round_s)
+        return 0
+    teach(settings, Wish(options.step, options.script, stated, side, options.base))
+    return 0
+
+
+def profile(options: argparse.Namespace) -> int:
+    """Look after the profiles."""
+    from halo_service.app import profiles
+
+    if options.act == "list":
+        print("\n".join(profiles.list_profiles()))
+    elif options.act == "show":
+        print("\n".join(profiles.show(options.name)))
+    elif options.act == "copy":
+        print(profiles.copy(options.name, options.to))
+    elif options.act == "export":
+        profiles.export(options.name, options.out)
+        print(options.out)
+    else:
+        print(profiles.import_profile(options.file, options.name))
+    return 0
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Exit code 0: nothing is missing; 1: something is."""
+    from halo_service.app.config import load
+    from halo_service.app.doctor import examine, told
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    findings = examine(
+        replace(settings, profile=options.profile or settings.profile, source=source)
+    )
+    print("\n".join(told(finding) for finding in findings))
+    return int(not all(finding.good for finding in findings))

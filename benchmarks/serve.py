@@ -1,0 +1,59 @@
+"""How soon and how steadily the virtual service speaks: `uv run python benchmarks/serve.py`.
+
+Starts `halo serve` with the virtual Kinect and listens as a client does. Prints the seconds from
+start to the first frame and the first pointer, the frames a second over the time after, and what
+the service says of itself. Seconds depend on the machine and on what else it does.
+"""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import halo_protocol as wire
+
+LISTEN_S = 10.0
+
+
+def main() -> None:
+    """Start, listen, print."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.bind(("127.0.0.1", 0))
+        client.settimeout(120.0)
+        destination = f"127.0.0.1:{client.getsockname()[1]}"
+        command = [Path(sys.executable).with_name("halo"), "serve", "--source", "sim"]
+        began_s = time.monotonic()
+        service = subprocess.Popen(
+            [*command, "--osc", destination, "--no-zenoh", "--control-port", "9321"],
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            listen(client, began_s)
+        finally:
+            service.terminate()
+            service.wait()
+
+
+def listen(client: socket.socket, began_s: float) -> None:
+    """Print what arrives."""
+    first: dict[type, float] = {}
+    frames, health, until_s = 0, None, float("inf")
+    while time.monotonic() < until_s:
+        for _, message in wire.decode(client.recv(65_536)):
+            if type(message) not in first:
+                first[type(message)] = time.monotonic() - began_s
+                if isinstance(message, wire.Pointer):
+                    frames, until_s = 0, time.monotonic() + LISTEN_S
+            frames += isinstance(message, wire.Frame)
+            health = message if isinstance(message, wire.Health) else health
+    print(f"first frame {first[wire.Frame]:.1f} s, first pointer {first[wire.Pointer]:.1f} s")
+    print(f"{frames / LISTEN_S:.1f} frames a second over {LISTEN_S:.0f} s")
+    if health is not None:
+        print(f"received -> sent {health.latency_ms:.1f} ms, hands {health.tracker_ms:.0f} ms old")
+
+
+if __name__ == "__main__":
+    main()

@@ -24,7 +24,7 @@ def main() -> None:
         client.bind(("127.0.0.1", 0))
         client.settimeout(120.0)
         destination = f"127.0.0.1:{client.getsockname()[1]}"
-        command = [Path(sys.executable).with_name("halo"), "serve", "--source", "sim"]
+        command = [str(Path(sys.executable).with_name("halo")), "serve", "--source", "sim"]
         began_s = time.monotonic()
         service = subprocess.Popen(
             [*command, "--osc", destination, "--no-zenoh", "--control-port", "9321"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -26,6 +27,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     _speak(logging.DEBUG if options.debug else logging.INFO)
     hold_to_one()
+    # Until a verb listens itself, SIGTERM unwinds as Ctrl-C does, so that nothing is left behind.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         code = int(options.run(options))
         sys.stdout.flush()

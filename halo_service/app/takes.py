@@ -86,10 +86,10 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
     def stop(number: int, where: FrameType | None) -> None:
         stopped.set()
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
     with ExitStack() as stack:
         stack.callback(source.close)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            stack.callback(signal.signal, number, signal.signal(number, stop))
         recorder = stack.enter_context(
             Recorder(out, source.camera, fps=source.camera.fps, colour=colour)
         )

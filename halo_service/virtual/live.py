@@ -9,7 +9,11 @@ from __future__ import annotations
 
 import atexit
 import multiprocessing
+import signal
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from multiprocessing.shared_memory import SharedMemory
 from typing import Any, Final
 
@@ -23,6 +27,19 @@ from halo_service.virtual.ring import RING_BYTES, Ring
 
 START_S = 20.0
 """A worker that has not shown a frame by then has hung; usual is under 2 s."""
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Ctrl-C tells a whole group of processes; ending the worker is its parent's affair."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may say what signals do
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class VirtualKinect:
@@ -48,7 +65,8 @@ class VirtualKinect:
             name="virtual-kinect",
             daemon=True,
         )
-        self._process.start()
+        with _deaf_to_ctrl_c():  # the child inherits it, before its first line
+            self._process.start()
         far_end.close()
         # The worker is deaf to signals: without this, forgetting `close()` would hang the exit.
         atexit.register(self.close)

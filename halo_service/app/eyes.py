@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,8 +25,7 @@ class Eyes:
 
     def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
         """Load the model, fetching it where it is not there yet (`UserError` where it can't be)."""
-        model = hand_model(from_home(settings.model) if settings.model else None)
-        self._tracker = HandTracker(model, max_hands=settings.max_hands)
+        self._tracker = HandTracker(model_for(settings), max_hands=settings.max_hands)
         self._warp = ColourWarp(camera, _background_mm(camera, profile))
 
     def look(self, frame: Frame) -> Tracked:
@@ -35,6 +36,11 @@ class Eyes:
     def close(self) -> None:
         """Let the model go."""
         self._tracker.close()
+
+
+def model_for(settings: TrackingSettings) -> Path:
+    """Return the hand model's path; `UserError` where there is none and none can be fetched."""
+    return hand_model(from_home(settings.model) if settings.model else None)
 
 
 def _background_mm(camera: Camera, profile: Profile | None) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ from types import FrameType
 
 import halo_protocol as wire
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.eyes import Eyes, model_for
 from halo_service.app.keeper import Keeper
 from halo_service.app.orders import Orders
 from halo_service.app.publisher import Publisher
@@ -94,6 +94,7 @@ def _tracker(source: Source, profile: Profile | None, settings: Settings) -> Tra
     """Make the hand tracker; a recording without a profile has no use for hands, and needs none."""
     if profile is None and not settings.profile and source.kind == "recording":
         return None
+    model_for(settings.tracking)  # here, so that a model that cannot be had is told at the start
     return TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
 
 

@@ -95,6 +95,18 @@ def test_the_end_of_a_recording_is_a_normal_end(company_data: Path, serve: Spawn
     assert "Traceback" not in said
 
 
+def test_a_hand_model_that_is_not_there_is_told_before_the_service_runs(
+    tmp_path: Path, serve: Spawn
+) -> None:
+    (tmp_path / "halo.toml").write_text('[tracking]\nmodel = "none.task"\n')
+    config = ("--config", str(tmp_path / "halo.toml"))
+    service = serve("--source", "sim", "--no-zenoh", "--no-osc", *config)
+    _, said = service.communicate(timeout=60.0)
+    assert service.returncode == 2
+    assert "tracking.model: none.task does not exist" in said
+    assert "Ctrl-C ends" not in said
+
+
 @pytest.mark.slow
 def test_without_a_camera_hover_touch_and_pressure_reach_oscdump(
     stranger: Callable[[str], str], serve: Spawn, spawn: Spawn, free_port: Callable[[], int]

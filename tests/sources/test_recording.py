@@ -249,9 +249,14 @@ def test_live_frames_come_when_they_are_due_and_carry_unix_time(small_recording)
 def test_live_nothing_comes_before_its_time(small_recording):
     recording = Recording(small_recording, realtime=True, loop=False)
     assert isinstance(recording.read(timeout_s=0), Frame)
-    assert recording.read(timeout_s=0) is None
-    assert recording.read(timeout_s=0.001) is None
-    assert isinstance(recording.read(timeout_s=1), Frame)
+    nothing = 0
+    for _ in range(200):
+        capture = recording.read(timeout_s=0.001)
+        nothing += capture is None
+        assert capture is None or capture.time_us <= time.time_ns() // 1000
+        if nothing > 5:
+            break
+    assert nothing > 0
     recording.close()
 
 

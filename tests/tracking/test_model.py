@@ -106,7 +106,7 @@ def test_a_fetch_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script,
 def test_the_installers_own_words_are_kept_for_who_wants_more(tmp_path, monkeypatch, caplog):
     monkeypatch.setenv("UV", installer(tmp_path, "sys.exit('no route to host')"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    with caplog.at_level("DEBUG"), pytest.raises(UserError) as caught:
+    with caplog.at_level("DEBUG", logger="halo_service"), pytest.raises(UserError) as caught:
         model.hand_model(None)
     assert "no route to host" in caplog.text
     assert str(caught.value).startswith("the hand model could not be fetched; connect to")

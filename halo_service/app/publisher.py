@@ -80,11 +80,6 @@ class Publisher:
         )
         self._send("health", [wire.encode(self._surface, health)])
 
-    def close(self) -> None:
-        """Let all carriers go."""
-        for carrier in self._carriers:
-            carrier.close()
-
     def _send(self, kind: str, datagrams: list[bytes]) -> None:
         for carrier in self._carriers:
             carrier.send(kind, datagrams)

@@ -16,7 +16,6 @@ class Debounce:
     contact: Contact = NO_TOUCH
     doubted_us: int | None = None
     """Set while a touch has ended in one frame and no second frame has confirmed it: since when."""
-    time_us: int = 0
 
 
 def debounce(before: Debounce, touching: bool, ago_us: int, time_us: int) -> Debounce:
@@ -24,10 +23,10 @@ def debounce(before: Debounce, touching: bool, ago_us: int, time_us: int) -> Deb
     contact = before.contact
     if not contact.touching:
         if touching:
-            return Debounce(Contact(True, contact.count + 1, ago_us), None, time_us)
-        return Debounce(Contact(False, contact.count, 0), None, time_us)
+            return Debounce(Contact(True, contact.count + 1, ago_us))
+        return Debounce(Contact(False, contact.count, 0))
     if touching:
-        return Debounce(Contact(True, contact.count, 0), None, time_us)
+        return Debounce(Contact(True, contact.count, 0))
     if before.doubted_us is None:
-        return Debounce(Contact(True, contact.count, 0), time_us - ago_us, time_us)
-    return Debounce(Contact(False, contact.count, time_us - before.doubted_us), None, time_us)
+        return Debounce(Contact(True, contact.count, 0), time_us - ago_us)
+    return Debounce(Contact(False, contact.count, time_us - before.doubted_us))

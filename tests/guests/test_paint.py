@@ -197,16 +197,36 @@ def test_live_and_rendered_are_the_same_picture(say: Any) -> None:
     assert np.array_equal(canvas.pixels, to_pixels(painter.strokes, *SIZE, width_px=900))
 
 
-@pytest.mark.parametrize("brush", BRUSHES, ids=lambda brush: brush.name)
-def test_the_svg_looks_as_the_png_does(say: Any, brush: Any) -> None:
+def svg_against_png(say: Any, brush: Any) -> tuple[float, float]:
+    """Structural similarity over the whole picture, and over its painted parts."""
     strokes = painted(arc(say), Painter(brush=brush))
-    whole_picture, inked = similarity(
+    return similarity(
         to_pixels(strokes, *SIZE, width_px=1200), rasterised(to_svg(strokes, *SIZE), 1200)
     )
-    print(f"{brush.name}: {whole_picture:.4f}, painted parts {inked:.4f}")
+
+
+@pytest.mark.parametrize("brush", BRUSHES, ids=lambda brush: brush.name)
+def test_the_svg_looks_as_the_png_does(say: Any, brush: Any) -> None:
+    whole_picture, _ = svg_against_png(say, brush)
     assert whole_picture >= 0.97
-    # Strands are bands with edges in the SVG, and blend into each other on the canvas.
-    assert inked >= (0.85 if brush.bristles == 1 else 0.75)
+
+
+FALLS_SHORT = pytest.mark.xfail(
+    strict=True,
+    reason="0.81: strands are bands with edges in the SVG, and blend into each other on the canvas",
+)
+
+
+@pytest.mark.parametrize(
+    "brush",
+    [
+        pytest.param(brush, id=brush.name, marks=[FALLS_SHORT] if brush.bristles > 1 else [])
+        for brush in BRUSHES
+    ],
+)
+def test_the_svg_looks_as_the_png_does_where_paint_is(say: Any, brush: Any) -> None:
+    _, painted_parts = svg_against_png(say, brush)
+    assert painted_parts >= 0.85
 
 
 def test_on_the_projector_paint_is_where_the_finger_is(say: Any) -> None:

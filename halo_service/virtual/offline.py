@@ -29,7 +29,15 @@ class Take:
     after reading back. Raises UserError for a length that cannot be.
     """
 
-    def __init__(self, wish: Wish, seconds: float | None = None, *, colour: bool = True) -> None:
+    def __init__(
+        self,
+        wish: Wish,
+        seconds: float | None = None,
+        *,
+        colour: bool = True,
+        colour_times: int = 1,
+    ) -> None:
+        """`colour_times`: see `Sensor`; 2 is what a live virtual Kinect shows."""
         if seconds is None and wish.scenario not in ENDING:
             raise UserError(
                 f"The scenario {wish.scenario!r} never ends by itself; give its length in seconds."
@@ -40,7 +48,8 @@ class Take:
         """None where the scenario itself decides."""
         self._room = wish.room
         self._play = play(wish.scenario, wish.room)
-        self._sensor = Sensor(wish.room, colour_times=1 if colour else 0, started_us=START_US)
+        times = colour_times if colour else 0
+        self._sensor = Sensor(wish.room, colour_times=times, started_us=START_US)
         self.camera, self.surface = self._sensor.camera, self._sensor.surface
 
     def __iter__(self) -> Iterator[tuple[Frame | None, list[truth.Line]]]:

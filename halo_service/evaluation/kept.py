@@ -1,0 +1,211 @@
+"""What the bench keeps of a take: the hands that the tracker saw, and the depth around them.
+
+Drawing a frame and finding its hands costs 30 ms, sensing it 2 ms. So both are done once, and
+every method reads the same frames again. A frame is kept as a window around everything that is
+not the empty surface; outside of it there was only noise, and it is given back as the background
+plus the device's drift. The sensing reads no infrared and no colour, so none is kept.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.files import appearing
+from halo_service.geometry.camera import Camera
+from halo_service.geometry.surface import Surface
+from halo_service.profile import Background
+from halo_service.values import Depth, Frame, Hand, Side, Tracked
+
+Line = dict[str, Any]
+"""One line of truth or of a script, as the files write it."""
+
+AROUND_MM = 60.0
+"""So far around the surface anything is kept."""
+MARGIN_PX = 28
+"""Around what stands above the surface: a halo's reach and a fast finger's."""
+STANDS_MM = 4.0
+"""What is this much nearer than the background stands above the surface."""
+LEAST_PX = 3
+"""Fewer such pixels in a row or column are noise."""
+SURFACE_MM = 15.0
+"""What reads within this of the background tells the device's drift."""
+GRID_PX = 8
+"""Every eighth pixel tells it well enough."""
+
+Box = tuple[int, int, int, int]
+"""left, top, right, bottom, px; right and bottom outside."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Capture:
+    """One frame, kept."""
+
+    time_us: int
+    box: Box
+    png: bytes
+    """The depth inside the box."""
+    drift_mm: float
+    """How much farther the device read than the background, outside the box."""
+    hands: tuple[Hand, ...]
+    """What the tracker saw in this very frame."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """One take, kept."""
+
+    captures: tuple[Capture, ...]
+    truth: tuple[Line, ...]
+    script: tuple[Line, ...]
+
+
+def keep(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> Capture:
+    """Reduce a frame to what the sensing needs. `reach`: where anything may be, px."""
+    excess = np.where(
+        (frame.depth > 0) & background.valid, frame.depth - background.mean_mm, np.float32(0.0)
+    )
+    box = _window(excess, tracked.hands, reach)
+    grid = excess[::GRID_PX, ::GRID_PX]
+    surface = grid[(np.abs(grid) < SURFACE_MM) & (grid != 0.0)]
+    drift_mm = float(np.median(surface)) if surface.size else 0.0
+    return Capture(frame.time_us, box, _png(frame.depth, box), drift_mm, tracked.hands)
+
+
+def keep_whole(frame: Frame, tracked: Tracked) -> Capture:
+    """Keep every pixel: what a background is made of."""
+    height, width = frame.depth.shape
+    box = (0, 0, width, height)
+    return Capture(frame.time_us, box, _png(frame.depth, box), 0.0, tracked.hands)
+
+
+def restore(capture: Capture, background: Background) -> tuple[Frame, Tracked]:
+    """Give the frame and what the tracker saw in it."""
+    surface = np.rint(background.mean_mm + np.float32(capture.drift_mm))
+    depth = np.where(background.valid, surface, np.float32(0.0)).astype(np.uint16)
+    left, top, right, bottom = capture.box
+    if right > left and bottom > top:
+        data = np.frombuffer(capture.png, np.uint8)
+        depth[top:bottom, left:right] = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    infrared = np.zeros_like(depth)
+    return Frame(capture.time_us, depth, infrared), Tracked(capture.time_us, capture.hands)
+
+
+def reach_of(surface: Surface, camera: Camera) -> Box:
+    """Return the part of the image in which anything near the surface can be, px."""
+    x = np.array([-AROUND_MM, surface.width_mm + AROUND_MM])
+    y = np.array([-AROUND_MM, surface.height_mm + AROUND_MM])
+    corners = np.array([(a, b, 0.0) for a in x for b in y])
+    px = camera.depth.project(surface.to_camera(corners))
+    low, high = np.floor(px.min(axis=0)), np.ceil(px.max(axis=0))
+    return _clipped(low[0], low[1], high[0], high[1], (camera.depth.height, camera.depth.width))
+
+
+def save(path: Path, kept: Kept) -> None:
+    """Write a take; the file is there whole or not at all."""
+    captures = kept.captures
+    hands = [(index, hand) for index, each in enumerate(captures) for hand in each.hands]
+    landmarks = [hand.landmarks_px for _, hand in hands]
+    ends = np.cumsum([len(each.png) for each in captures], dtype=np.int64)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with appearing(path) as file:
+        np.savez(
+            file,
+            time_us=np.array([each.time_us for each in captures], np.int64),
+            box=np.array([each.box for each in captures], np.int32).reshape(-1, 4),
+            drift_mm=np.array([each.drift_mm for each in captures], np.float64),
+            png=np.frombuffer(b"".join(each.png for each in captures), np.uint8),
+            png_end=ends,
+            hand_frame=np.array([index for index, _ in hands], np.int64),
+            hand_side=np.array([int(hand.side) for _, hand in hands], np.int64),
+            hand_confidence=np.array([hand.confidence for _, hand in hands], np.float64),
+            hand_px=np.array(landmarks, np.float32).reshape(-1, 21, 2),
+            lines=np.frombuffer(json.dumps([kept.truth, kept.script]).encode(), np.uint8),
+        )
+
+
+def load(path: Path) -> Kept:
+    """Read a take; raises OSError or ValueError for a file that is none."""
+    with np.load(path, allow_pickle=False) as file:
+        data = {name: file[name] for name in file.files}
+    by_frame: dict[int, list[Hand]] = {}
+    for index, side, sure, px in zip(
+        data["hand_frame"].tolist(),
+        data["hand_side"].tolist(),
+        data["hand_confidence"].tolist(),
+        data["hand_px"].astype(np.float64),
+        strict=True,
+    ):
+        by_frame.setdefault(index, []).append(Hand(Side(side), px, sure))
+    blob, ends = data["png"].tobytes(), data["png_end"].tolist()
+    starts = [0, *ends[:-1]]
+    captures = tuple(
+        Capture(time_us, tuple(box), blob[start:end], drift_mm, tuple(by_frame.get(index, ())))
+        for index, (time_us, box, drift_mm, start, end) in enumerate(
+            zip(
+                data["time_us"].tolist(),
+                data["box"].tolist(),
+                data["drift_mm"].tolist(),
+                starts,
+                ends,
+                strict=True,
+            )
+        )
+    )
+    truth, script = json.loads(data["lines"].tobytes())
+    return Kept(captures, tuple(truth), tuple(script))
+
+
+def played(kept: Kept, background: Background) -> Iterator[tuple[Frame, Tracked]]:
+    """Yield each kept frame with what the tracker saw in it."""
+    return (restore(capture, background) for capture in kept.captures)
+
+
+def _window(excess: NDArray[np.float32], hands: Sequence[Hand], reach: Box) -> Box:
+    """Return the box around all that stands above the surface and around the fingertips."""
+    left, top, right, bottom = reach
+    stands = excess[top:bottom, left:right] < -STANDS_MM
+    columns = np.flatnonzero(np.count_nonzero(stands, axis=0) >= LEAST_PX)
+    rows = np.flatnonzero(np.count_nonzero(stands, axis=1) >= LEAST_PX)
+    corners: list[tuple[float, float]] = []
+    if columns.size and rows.size:
+        corners += [(left + columns[0], top + rows[0]), (left + columns[-1], top + rows[-1])]
+    for hand in hands:
+        for x, y in hand.landmarks_px[[4, 8, 12, 16, 20]].tolist():
+            if left <= x < right and top <= y < bottom:
+                corners.append((x, y))
+    if not corners:
+        return (0, 0, 0, 0)
+    xs, ys = zip(*corners, strict=True)
+    return _clipped(
+        min(xs) - MARGIN_PX, min(ys) - MARGIN_PX, max(xs) + MARGIN_PX, max(ys) + MARGIN_PX,
+        excess.shape,
+    )  # fmt: skip
+
+
+def _clipped(left: float, top: float, right: float, bottom: float, shape: Sequence[int]) -> Box:
+    height, width = shape[0], shape[1]
+    return (
+        min(max(int(left), 0), width),
+        min(max(int(top), 0), height),
+        min(max(int(right) + 1, 0), width),
+        min(max(int(bottom) + 1, 0), height),
+    )
+
+
+def _png(depth: Depth, box: Box) -> bytes:
+    left, top, right, bottom = box
+    if right <= left or bottom <= top:
+        return b""
+    done, data = cv2.imencode(
+        ".png", depth[top:bottom, left:right], [cv2.IMWRITE_PNG_COMPRESSION, 1]
+    )
+    assert done  # a 16-bit grey image always can
+    return data.tobytes()

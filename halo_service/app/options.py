@@ -97,6 +97,9 @@ def _serve_options(verb: argparse.ArgumentParser) -> None:
 def _replay_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("recording", type=Path, metavar="RECORDING")
     verb.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
+    verb.add_argument(
+        "--method", default="ours", metavar="M", help="ours (default), paper, direct or wilson"
+    )
     verb.set_defaults(run=verbs.replay)
 
 

@@ -57,7 +57,8 @@ def replay(options: argparse.Namespace) -> int:
 
     settings = load(options.config)
     profile = options.profile or settings.profile
-    count = sense(options.recording, options.jsonl, replace(settings, profile=profile))
+    settings = replace(settings, profile=profile)
+    count = sense(options.recording, options.jsonl, settings, options.method)
     print(f"halo: {count} frames", file=sys.stderr)
     return 0
 

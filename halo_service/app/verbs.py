@@ -120,6 +120,28 @@ def calibrate(options: argparse.Namespace) -> int:
     return 0
 
 
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the study, and print what came of it."""
+    from halo_service.app.config import load
+    from halo_service.app.evaluate import Asked
+    from halo_service.app.evaluate import evaluate as study
+    from halo_service.evaluation.brief import brief
+
+    asked = Asked(
+        options.quick,
+        options.method,
+        options.users,
+        options.materials,
+        options.tasks,
+        options.labels,
+        options.keep,
+        options.kept_only,
+        options.jobs,
+    )
+    print("\n".join(brief(study(load(options.config), asked))))
+    return 0
+
+
 def profile(options: argparse.Namespace) -> int:
     """Look after the profiles."""
     from halo_service.app import profiles

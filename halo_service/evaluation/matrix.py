@@ -66,6 +66,8 @@ QUICK_TASKS = (
 """Three users with 20 touches each; a check of hover and pressure."""
 QUICK_ONCE = 1
 """Only so many of the quick users hold the levels: it has to end within five minutes."""
+KNOWN = (*TASKS, *QUICK_TASKS[:1])
+"""All that can lie in a folder of takes."""
 LABELS = Task("labels", "labels", 60.0, ends=False, hands=2)
 """Taps when somebody really touched a tablet; needs a file of them."""
 

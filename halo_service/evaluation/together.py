@@ -90,9 +90,7 @@ def together(
     Every frame goes to all methods before the next is read, so each is decoded once.
     """
     runs = [
-        replay(
-            Played(copy, camera), look, method, method.start(profiles[method.name], settings)
-        )
+        replay(Played(copy, camera), look, method, method.start(profiles[method.name], settings))
         for method, copy in zip(methods, tee(captures, len(methods)), strict=True)
     ]
     told = list(zip(*runs, strict=True))

@@ -21,8 +21,9 @@ from halo_service.errors import UserError
 from halo_service.evaluation import matrix
 from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.matrix import Person, Plan, Task
+from halo_service.evaluation.result import Result
 from halo_service.evaluation.rivals import METHODS
-from halo_service.evaluation.run import Order, Result, run, work_s
+from halo_service.evaluation.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.virtual.materials import MATERIALS, STUDIED
@@ -96,8 +97,8 @@ def _kept(
     plan = {}
     for file in sorted(studio.folder.glob(f"*/{matrix.CALIBRATION.name}.npz")):
         seed, _, material = file.parent.name.partition("-")
-        person = Person(int(seed), material)
-        if (not users or person.seed in users) and material in materials:
+        if seed.isdigit() and material in materials and (not users or int(seed) in users):
+            person = Person(int(seed), material)
             plan[person] = tuple(task for task in matrix.KNOWN if studio.has(person, task))
     if not plan:
         raise UserError(

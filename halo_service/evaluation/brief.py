@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from halo_service.evaluation.run import Result
+from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.levels import Trial
 from halo_service.evaluation.scores.spatial import from_truth, spatial
 from halo_service.evaluation.scores.take import Scores
@@ -15,7 +15,7 @@ from halo_service.evaluation.scores.take import Scores
 def brief(results: Sequence[Result]) -> Iterator[str]:
     """Yield the lines."""
     for each in results:
-        who = f"{each.person.name:<12} {each.task:<15} {each.method:<7}"
+        who = f"{each.subject.name:<12} {each.task:<15} {each.method:<7}"
         if each.scores is None:
             yield f"{who} cannot be calibrated: {each.refused}"
         else:

@@ -33,8 +33,8 @@ DATE = "1970-01-01T00:00:00Z"
 class Calibrated:
     """One person, as each method knows them."""
 
-    background: Background
-    """Over which kept frames are given back."""
+    background: Background | None
+    """Over which kept frames are given back; None where the empty table was refused."""
     profiles: Mapping[str, Profile]
     """By the method's name."""
     refused: Mapping[str, str]

@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ from typing import Any
 
 import cv2
 
+from halo_calibration.errors import Refused
 from halo_service.errors import UserError
 from halo_service.evaluation.calibrated import (
     Calibrated,
@@ -27,37 +28,21 @@ from halo_service.evaluation.calibrated import (
     settings_hash,
 )
 from halo_service.evaluation.capture import Studio
-from halo_service.evaluation.kept import load, restore
+from halo_service.evaluation.kept import Line, load, restore
 from halo_service.evaluation.matrix import CALIBRATION, Person, Plan, Task
+from halo_service.evaluation.result import Result, Subject
 from halo_service.evaluation.rivals import METHODS
-from halo_service.evaluation.scores.take import Scores, score
+from halo_service.evaluation.scores.take import score
 from halo_service.evaluation.together import Remembered, together
+from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings
+from halo_service.values import TouchFrame
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.naming import wish
 
 DRAWN_MS, SENSED_MS = 30.0, 3.0
 """What a frame costs to draw and track once, and to sense for each method: for the progress bar,
 measured on a slow core."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Result:
-    """What one method made of one task of one person."""
-
-    person: Person
-    task: str
-    method: str
-    family: str
-    """Of halo curves: that of the person."""
-    scores: Scores | None
-    """None where the person could not be calibrated."""
-    refused: str
-    """The sentence that says why, else empty."""
-    profile: str
-    """Hash of the profile."""
-    settings: str
-    """Hash of the sensing's configuration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,29 +134,52 @@ def _work_s(order: Order, person: Person, task: Task) -> float:
 
 
 def _prepare(order: Order, person: Person) -> Calibrated:
-    order.studio.provide(person, CALIBRATION)
     methods = [METHODS[name] for name in order.methods]
+    try:
+        order.studio.provide(person, CALIBRATION)
+    except Refused as refused:  # the empty table itself is no good
+        return Calibrated(None, {}, dict.fromkeys(order.methods, str(refused)))
     return calibrate(order.studio.of(person), methods, order.settings)
 
 
 def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tuple[Result, ...]:
-    order.studio.provide(person, task)
-    kept = load(order.studio.path(person, task))
-    methods = [METHODS[name] for name in order.methods if name in known.profiles]
-    captures = (restore(capture, known.background)[0] for capture in kept.captures)
-    told = together(captures, factory(), Remembered(kept), methods, known.profiles, order.settings)
-    family = wish(person.source(task)).room.curve.family
-    results = []
-    for name in order.methods:
-        profile = known.profiles.get(name)
-        scores = profile and score(told[name], kept.truth, kept.script, profile.surface)
-        results.append(
-            Result(
-                person, task.name, name, family, scores, known.refused.get(name, ""),
-                profile_hash(profile) if profile else "", settings_hash(order.settings),
+    """Sense and score one take, by all methods that know the person."""
+    curve = wish(person.source(task)).room.curve
+    subject = Subject(person.name, person.seed, person.material, curve.family)
+    results = {
+        name: Result(subject, task.name, name, None, refused)
+        for name, refused in known.refused.items()
+    }
+    if known.background is not None and known.profiles:
+        order.studio.provide(person, task)
+        kept = load(order.studio.path(person, task))
+        captures = (restore(capture, known.background)[0] for capture in kept.captures)
+        methods = [METHODS[name] for name in known.profiles]
+        told = together(
+            captures, factory(), Remembered(kept), methods, known.profiles, order.settings
+        )
+        truth, script = kept.truth, kept.script
+        for name, profile in known.profiles.items():
+            results[name] = judged(
+                subject, task.name, name, told[name], truth, script, profile, order.settings
             )
-        )  # fmt: skip
-    return tuple(results)
+    return tuple(results[name] for name in order.methods)
+
+
+def judged(
+    subject: Subject,
+    task: str,
+    method: str,
+    told: Sequence[TouchFrame],
+    truth: Sequence[Line],
+    script: Sequence[Line],
+    profile: Profile,
+    settings: SensingSettings,
+) -> Result:
+    """Score what a method published of one take."""
+    scores = score(told, truth, script, profile.surface)
+    hashes = profile_hash(profile), settings_hash(settings)
+    return Result(subject, task, method, scores, "", *hashes)
 
 
 def _begin() -> None:

@@ -20,12 +20,16 @@ from halo_service.app.eyes import Eyes, model_for
 from halo_service.errors import UserError
 from halo_service.evaluation import matrix
 from halo_service.evaluation.capture import Look, Studio
+from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
+from halo_service.profile.store import load as load_profile
+from halo_service.profile.store import profile_path, require_fit
+from halo_service.sources.recording import Recording
 from halo_service.virtual.materials import MATERIALS, STUDIED
 
 
@@ -61,6 +65,39 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
         bar_format="{percentage:3.0f}% |{bar}| {elapsed} so far, about {remaining} to go",
     ) as bar:
         return run(order, bar.update)
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A recording to judge."""
+
+    recording: Path
+    truth: Path
+    script: Path | None
+    methods: tuple[str, ...]
+
+
+def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
+    """Judge a recording against its truth; raises `UserError` where one of both is none."""
+    if not settings.profile:
+        raise UserError("evaluate: name the profile that goes with the recording: --profile P")
+    profile = load_profile(profile_path(settings.profile))
+    methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
+    truth = read_lines(asked.truth, "truth")
+    script = read_lines(asked.script, "script") if asked.script else ()
+    with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
+        require_fit(profile, source.camera)
+        with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
+            return recording_judged(
+                source,
+                asked.recording.stem,
+                eyes.look,
+                [METHODS[name] for name in methods],
+                profile,
+                settings.sensing,
+                truth,
+                script,
+            )
 
 
 @contextmanager

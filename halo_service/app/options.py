@@ -57,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _calibrate_options(calibration)
     _evaluate_options(
-        commands.add_parser("evaluate", parents=[configured], help="how good the sensing is")
+        commands.add_parser("evaluate", parents=[common], help="how good the sensing is")
     )
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
@@ -152,6 +152,9 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
 
 
 def _evaluate_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="judge this one")
+    verb.add_argument("--truth", type=Path, metavar="T.jsonl", help="what was true of it")
+    verb.add_argument("--script", type=Path, metavar="S.json", help="the levels held in it")
     verb.add_argument("--quick", action="store_true", help="a small part of it, in 5 minutes")
     verb.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
     verb.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")

@@ -121,24 +121,31 @@ def calibrate(options: argparse.Namespace) -> int:
 
 
 def evaluate(options: argparse.Namespace) -> int:
-    """Run the study, and print what came of it."""
+    """Run the study or judge a recording, and print what came of it."""
+    from halo_service.app import evaluate as bench
     from halo_service.app.config import load
-    from halo_service.app.evaluate import Asked
-    from halo_service.app.evaluate import evaluate as study
-    from halo_service.evaluation.brief import brief
 
-    asked = Asked(
-        options.quick,
-        options.method,
-        options.users,
-        options.materials,
-        options.tasks,
-        options.labels,
-        options.keep,
-        options.kept_only,
-        options.jobs,
-    )
-    print("\n".join(brief(study(load(options.config), asked))))
+    settings = load(options.config)
+    settings = replace(settings, profile=options.profile or settings.profile)
+    if options.recording is not None:
+        if options.truth is None:
+            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
+        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
+        results = bench.evaluate_recording(settings, recorded)
+    else:
+        asked = bench.Asked(
+            options.quick,
+            options.method,
+            options.users,
+            options.materials,
+            options.tasks,
+            options.labels,
+            options.keep,
+            options.kept_only,
+            options.jobs,
+        )
+        results = bench.evaluate(settings, asked)
+    bench.tell(results, options.csv)
     return 0
 
 

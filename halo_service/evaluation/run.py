@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -24,19 +24,15 @@ from halo_service.errors import UserError
 from halo_service.evaluation.calibrated import (
     Calibrated,
     calibrate,
-    profile_hash,
-    settings_hash,
 )
 from halo_service.evaluation.capture import Studio
-from halo_service.evaluation.kept import Line, load, restore
+from halo_service.evaluation.judged import judged
+from halo_service.evaluation.kept import load, restore
 from halo_service.evaluation.matrix import CALIBRATION, Person, Plan, Task
 from halo_service.evaluation.result import Result, Subject
 from halo_service.evaluation.rivals import METHODS
-from halo_service.evaluation.scores.take import score
 from halo_service.evaluation.together import Remembered, together
-from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings
-from halo_service.values import TouchFrame
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.naming import wish
 
@@ -164,22 +160,6 @@ def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tup
                 subject, task.name, name, told[name], truth, script, profile, order.settings
             )
     return tuple(results[name] for name in order.methods)
-
-
-def judged(
-    subject: Subject,
-    task: str,
-    method: str,
-    told: Sequence[TouchFrame],
-    truth: Sequence[Line],
-    script: Sequence[Line],
-    profile: Profile,
-    settings: SensingSettings,
-) -> Result:
-    """Score what a method published of one take."""
-    scores = score(told, truth, script, profile.surface)
-    hashes = profile_hash(profile), settings_hash(settings)
-    return Result(subject, task, method, scores, "", *hashes)
 
 
 def _begin() -> None:

@@ -57,7 +57,8 @@ def replay(options: argparse.Namespace) -> int:
 
     settings = load(options.config)
     profile = options.profile or settings.profile
-    count = sense(options.recording, options.jsonl, replace(settings, profile=profile))
+    settings = replace(settings, profile=profile)
+    count = sense(options.recording, options.jsonl, settings, options.method)
     print(f"halo: {count} frames", file=sys.stderr)
     return 0
 
@@ -116,6 +117,28 @@ def calibrate(options: argparse.Namespace) -> int:
         pilot(settings, options.rounds, options.round_s)
         return 0
     teach(settings, Wish(options.step, options.script, stated, side, options.base))
+    return 0
+
+
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the study, and print what came of it."""
+    from halo_service.app.config import load
+    from halo_service.app.evaluate import Asked
+    from halo_service.app.evaluate import evaluate as study
+    from halo_service.evaluation.brief import brief
+
+    asked = Asked(
+        options.quick,
+        options.method,
+        options.users,
+        options.materials,
+        options.tasks,
+        options.labels,
+        options.keep,
+        options.kept_only,
+        options.jobs,
+    )
+    print("\n".join(brief(study(load(options.config), asked))))
     return 0
 
 

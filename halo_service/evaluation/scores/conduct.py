@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from halo_service.evaluation.scores.levels import nearest
+from halo_service.evaluation.scores.followed import pairs
 from halo_service.evaluation.scores.touches import Touches
 from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, Truth
 from halo_service.geometry.surface import Surface
@@ -94,11 +94,12 @@ def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> t
         true = truth.at(frame.time_us)
         present = [f for f in true.fingers if _low(f, surface)] if true else []
         ids = {who: id_ for who, id_ in ids.items() if who in {(f.side, f.finger) for f in present}}
-        for finger in present:
-            pointer, who = nearest(frame.pointers, finger), (finger.side, finger.finger)
-            fingers += 1
-            unseen += pointer is None
-            if pointer is not None:
+        fingers += len(present)
+        unseen += len(present)
+        for finger, pointer in pairs(frame, true):
+            who = (finger.side, finger.finger)
+            if finger in present:
+                unseen -= 1
                 changes += ids.get(who, pointer.id) != pointer.id
                 ids[who] = pointer.id
     return unseen, fingers, changes

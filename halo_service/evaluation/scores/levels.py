@@ -13,13 +13,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from halo_service.evaluation.scores.followed import Pair, lowest, pairs
 from halo_service.evaluation.scores.truth import Line, TrueFinger, TrueFrame, Truth
 from halo_service.values import Pointer, Touch, TouchFrame
 
 FULL_G = 385.0
 """The paper's phone weighs no more (5.2.2); errors of force are shares of it."""
-NEAR_MM = 40.0
-"""Chosen: a pointer within this of a finger, in the plane, is that finger's."""
 SMOOTH_MM = 3.0
 """Chosen: a finger that rises or sinks less than this from frame to frame moves smoothly."""
 SEAM_MM = 60.0
@@ -81,16 +80,6 @@ def score_seam(frames: Sequence[TouchFrame], truth: Truth) -> tuple[Jump, ...]:
     return tuple(jumps)
 
 
-def nearest(pointers: Sequence[Pointer], finger: TrueFinger) -> Pointer | None:
-    """Return the pointer that a true finger has, or None."""
-
-    def away(pointer: Pointer) -> float:
-        return float(np.hypot(pointer.x_mm - finger.x_mm, pointer.y_mm - finger.y_mm))
-
-    best = min(pointers, key=away, default=None)
-    return best if best is not None and away(best) <= NEAR_MM else None
-
-
 def _is_level(step: Line) -> bool:
     return step.get("step") in LEVELS and LEVELS[step["step"]] in step
 
@@ -99,9 +88,9 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
     kind = step["step"]
     begin, end = start_us + 1e6 * step["from_s"], start_us + 1e6 * step["to_s"]
     within = [frame for frame in frames if begin <= frame.time_us <= end]
-    pairs = [_pair(frame, truth.at(frame.time_us)) for frame in within]
-    seen = [_reading(kind, *pair) for pair in pairs if pair is not None]
-    unseen = 1.0 - len(seen) / len(pairs) if pairs else 1.0
+    found = [_pair(frame, truth.at(frame.time_us)) for frame in within]
+    seen = [_reading(kind, *pair) for pair in found if pair is not None]
+    unseen = 1.0 - len(seen) / len(found) if found else 1.0
     level = float(step[LEVELS[kind]])
     if not seen:
         return Trial(kind, level, np.nan, np.nan, np.nan, unseen)
@@ -112,11 +101,8 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
     )
 
 
-def _pair(frame: TouchFrame, true: TrueFrame | None) -> tuple[TrueFinger, Pointer] | None:
-    """Return the finger that is lowest, and its pointer."""
-    finger = min(true.fingers, key=lambda each: each.height_mm, default=None) if true else None
-    pointer = nearest(frame.pointers, finger) if finger else None
-    return (finger, pointer) if finger and pointer else None
+def _pair(frame: TouchFrame, true: TrueFrame | None) -> Pair | None:
+    return lowest(pairs(frame, true), true) if true else None
 
 
 def _reading(kind: str, finger: TrueFinger, pointer: Pointer) -> tuple[float, float]:
@@ -130,11 +116,8 @@ def _hovers(pointer: Pointer) -> bool:
     return pointer.state is Touch.HOVER
 
 
-def _followed(
-    frames: Sequence[TouchFrame], truth: Truth
-) -> Iterator[dict[int, tuple[TrueFinger, Pointer]]]:
+def _followed(frames: Sequence[TouchFrame], truth: Truth) -> Iterator[dict[int, Pair]]:
     """Yield each frame's pointers by id, beside the fingers that they follow."""
     for frame in frames:
-        true = truth.at(frame.time_us)
-        pairs = [(each, nearest(frame.pointers, each)) for each in true.fingers] if true else []
-        yield {pointer.id: (finger, pointer) for finger, pointer in pairs if pointer}
+        followed = pairs(frame, truth.at(frame.time_us))
+        yield {pointer.id: (finger, pointer) for finger, pointer in followed}

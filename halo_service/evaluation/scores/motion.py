@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import spearmanr
 
-from halo_service.evaluation.scores.levels import nearest
+from halo_service.evaluation.scores.followed import pairs
 from halo_service.evaluation.scores.touches import Hit
-from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, Truth
-from halo_service.values import TouchFrame
+from halo_service.evaluation.scores.truth import TrueFrame, Truth
+from halo_service.values import Finger, Side, TouchFrame
 
 MOVING_MM_S = 50.0
 """Chosen: a slower finger stands still, and a share of nothing says nothing."""
@@ -19,6 +19,9 @@ GAP_US = 50_000
 """Chosen: over a dropped frame the true path is not known well enough to derive."""
 LEAST_FOR_RANKS = 5
 """Chosen: fewer have no order to speak of."""
+
+Velocity = tuple[float, float]
+"""In the plane, mm/s, surface frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +46,12 @@ def score_strikes(hits: Sequence[Hit]) -> tuple[Speed, ...]:
 def score_velocity(frames: Sequence[TouchFrame], truth: Truth) -> tuple[Speed, ...]:
     """Judge the velocity in the plane of every pointer whose finger moves."""
     told_by = {frame.time_us: frame for frame in frames}
-    speeds = []
-    for frame, finger, (vx, vy) in _velocities(truth):
-        true = float(np.hypot(vx, vy))
-        told = told_by.get(frame.time_us)
-        pointer = nearest(told.pointers, finger) if told else None
-        if pointer is not None and true >= MOVING_MM_S:
-            off = float(np.hypot(pointer.vx_mm_s - vx, pointer.vy_mm_s - vy))
-            speeds.append(Speed(float(np.hypot(pointer.vx_mm_s, pointer.vy_mm_s)), true, off))
-    return tuple(speeds)
+    return tuple(
+        _speed((pointer.vx_mm_s, pointer.vy_mm_s), true)
+        for now, velocities in _velocities(truth)
+        for finger, pointer in pairs(told_by.get(now.time_us), now)
+        if (true := velocities.get((finger.side, finger.finger))) and np.hypot(*true) >= MOVING_MM_S
+    )
 
 
 def relative_error(speeds: Sequence[Speed]) -> float:
@@ -67,15 +67,21 @@ def rank_correlation(speeds: Sequence[Speed]) -> float:
     return float(spearmanr(told, true).statistic)
 
 
-def _velocities(truth: Truth) -> Iterator[tuple[TrueFrame, TrueFinger, tuple[float, float]]]:
-    """Yield each finger with its velocity by the frames on both sides, mm/s."""
+def _speed(told: Velocity, true: Velocity) -> Speed:
+    off = np.hypot(told[0] - true[0], told[1] - true[1])
+    return Speed(float(np.hypot(*told)), float(np.hypot(*true)), float(off))
+
+
+def _velocities(truth: Truth) -> Iterator[tuple[TrueFrame, dict[tuple[Side, Finger], Velocity]]]:
+    """Yield each frame with its fingers' velocities by the frames on both sides."""
     for before, now, after in zip(truth.frames, truth.frames[1:], truth.frames[2:], strict=False):
         seconds = (after.time_us - before.time_us) / 1e6
         if seconds > 2e-6 * GAP_US:
             continue
-        for finger in now.fingers:
-            was = before.find(finger.side, finger.finger)
-            will = after.find(finger.side, finger.finger)
+        moving = {}
+        for side, finger in ((each.side, each.finger) for each in now.fingers):
+            was, will = before.find(side, finger), after.find(side, finger)
             if was and will:
-                velocity = ((will.x_mm - was.x_mm) / seconds, (will.y_mm - was.y_mm) / seconds)
-                yield now, finger, velocity
+                way = (will.x_mm - was.x_mm, will.y_mm - was.y_mm)
+                moving[side, finger] = (way[0] / seconds, way[1] / seconds)
+        yield now, moving

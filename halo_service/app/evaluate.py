@@ -17,8 +17,10 @@ from tqdm import tqdm
 
 from halo_service.app.config import Settings, TrackingSettings
 from halo_service.app.eyes import Eyes, model_for
+from halo_service.app.files import STDOUT, written
 from halo_service.errors import UserError
-from halo_service.evaluation import matrix
+from halo_service.evaluation import matrix, rows
+from halo_service.evaluation.brief import brief
 from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
@@ -161,3 +163,12 @@ def _tracker(tracking: TrackingSettings) -> str:
     """Name the hand tracker by all that makes it see what it sees."""
     model = hashlib.sha256(model_for(tracking).read_bytes()).hexdigest()[:12]
     return f"mediapipe {version('mediapipe')} {model}"
+
+
+def tell(results: Sequence[Result], csv: str | None) -> None:
+    """Print what came of it, and write every figure where that is wanted."""
+    if csv is not None:
+        with written(csv) as file:
+            rows.write(results, version("halo-service"), file)
+    if csv != STDOUT:
+        print("\n".join(brief(results)))

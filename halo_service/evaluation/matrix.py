@@ -54,7 +54,10 @@ TASKS = (
     Task("hover-noise2", "hover", 46.0, options=NOISY),
     Task("pressure", "pressure", 48.0),
     Task("pressure-noise2", "pressure", 48.0, options=NOISY),
+    Task("threshold", "threshold", 44.0),
+    Task("typing-accurate", "typing-accurate", 30.0, ends=False, hands=2),
     Task("typing", "typing", 30.0, ends=False, hands=2),
+    Task("typing-fast", "typing-fast", 30.0, ends=False, hands=2),
     Task("ten-fingers", "ten-fingers", 30.0, ends=False, hands=2),
     Task("chaos", "chaos", 40.0, ends=False, hands=2),
 )

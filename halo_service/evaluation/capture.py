@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -28,6 +28,7 @@ from halo_service.evaluation.kept import (
 from halo_service.evaluation.matrix import CALIBRATION, Person, Task
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
+from halo_service.profile.lock import locked
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.camera import factory
 from halo_service.virtual.naming import wish
@@ -60,6 +61,21 @@ class Studio:
     """Names the hand tracker and its model: other hands are another take."""
     draws: bool = True
     """False: takes are read as they lie there, however they were made."""
+
+    @contextmanager
+    def to_itself(self) -> Iterator[None]:
+        """Let nobody else fill the folder meanwhile; what killed runs left half-written goes.
+
+        Raises OSError where the folder cannot be written, or another run is filling it.
+        """
+        if not self.draws:
+            yield
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with locked(self.folder):
+            for left in self.folder.glob("*/.*.part"):
+                left.unlink()
+            yield
 
     def of(self, person: Person) -> Path:
         """Return the folder of one person's takes."""

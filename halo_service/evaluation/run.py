@@ -10,9 +10,10 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import connection
 from typing import Any
@@ -68,14 +69,12 @@ def work_s(order: Order) -> float:
 def run(order: Order, progress: Progress) -> tuple[Result, ...]:
     """Draw what is not kept yet, calibrate, sense and score; results in the plan's order.
 
-    Raises `UserError` where takes cannot be kept or a process was ended from outside. Whatever
-    ends it early, no process is left behind.
+    Raises `UserError` where takes cannot be kept or a process was ended from outside.
     """
     done: dict[tuple[Person, str], tuple[Result, ...]] = {}
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(order.jobs, multiprocessing.get_context("spawn"), initializer=_begin)
     try:
-        _conduct(order, pool, done, progress)
+        with order.studio.to_itself(), _pool(order.jobs) as pool:
+            _conduct(order, pool, done, progress)
     except BrokenProcessPool as error:
         raise UserError(
             "a process of the bench was ended from outside, perhaps for want of memory: run the "
@@ -86,16 +85,25 @@ def run(order: Order, progress: Progress) -> tuple[Result, ...]:
             f"the takes cannot be kept in {order.studio.folder} ({error.strerror or error}); "
             f"free some space, or choose another place with --keep"
         ) from error
-    finally:
-        for process in set(multiprocessing.active_children()) - others:
-            process.terminate()  # all is done, or nothing of what is under way is wanted
-        pool.shutdown(cancel_futures=True)
     return tuple(
         result
         for person, tasks in order.plan.items()
         for task in tasks
         for result in done[person, task.name]
     )
+
+
+@contextmanager
+def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Give a pool of processes; none of them is left behind, whatever ends the work."""
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_begin)
+    try:
+        yield pool
+    finally:
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()  # all is done, or nothing of what is under way is wanted
+        pool.shutdown(cancel_futures=True)
 
 
 def _conduct(

@@ -27,6 +27,8 @@ from halo_service.evaluation.matrix import Person, Plan, Task
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.run import Order, run, work_s
+from halo_service.evaluation.table import as_markdown, as_text
+from halo_service.evaluation.told import told
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
@@ -67,6 +69,17 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
         bar_format="{percentage:3.0f}% |{bar}| {elapsed} so far, about {remaining} to go",
     ) as bar:
         return run(order, bar.update)
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """How results are told."""
+
+    csv: str | None = None
+    """Every figure into this file; `-`: instead of the tables."""
+    each: bool = False
+    """A line a person, task and method instead of the tables."""
+    markdown: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,10 +178,16 @@ def _tracker(tracking: TrackingSettings) -> str:
     return f"mediapipe {version('mediapipe')} {model}"
 
 
-def tell(results: Sequence[Result], csv: str | None) -> None:
-    """Print what came of it, and write every figure where that is wanted."""
-    if csv is not None:
-        with written(csv) as file:
-            rows.write(results, version("halo-service"), file)
-    if csv != STDOUT:
+def tell(results: Sequence[Result], asked: Telling) -> None:
+    """Print what came of it, and write what was asked for."""
+    package = version("halo-service")
+    if asked.csv is not None:
+        with written(asked.csv) as file:
+            rows.write(results, package, file)
+    if asked.csv == STDOUT:
+        return
+    if asked.each:
         print("\n".join(brief(results)))
+    else:
+        lay = as_markdown if asked.markdown else as_text
+        print("\n\n".join(told(results, package, lay)))

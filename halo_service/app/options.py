@@ -164,7 +164,9 @@ def _evaluate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--keep", type=Path, metavar="DIR", help="where takes are kept")
     verb.add_argument("--kept-only", action="store_true", help="draw nothing: what is kept there")
     verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
-    verb.add_argument("--csv", metavar="FILE", help="every figure of every person")
+    verb.add_argument("--each", action="store_true", help="a line a person, task and method")
+    verb.add_argument("--markdown", action="store_true", help="tables for a page")
+    verb.add_argument("--csv", metavar="FILE", help="every figure of every person; - for stdout")
     verb.set_defaults(run=verbs.evaluate)
 
 

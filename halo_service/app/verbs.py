@@ -145,7 +145,7 @@ def evaluate(options: argparse.Namespace) -> int:
             options.jobs,
         )
         results = bench.evaluate(settings, asked)
-    bench.tell(results, options.csv)
+    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown))
     return 0
 
 

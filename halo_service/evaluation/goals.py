@@ -54,7 +54,7 @@ class Goal:
 def goal_table(results: Sequence[Result]) -> Table:
     """Return the table, with a column a method."""
     names = pick.methods(results)
-    by_method = {name: [r for r in results if r.method == name] for name in names}
+    by_method = {name: pick.of(results, name) for name in names}
     return Table(
         "The paper's figures and ours",
         ("figure", "paper", "goal", *names),

@@ -32,6 +32,11 @@ def methods(results: Sequence[Result]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(result.method for result in results))
 
 
+def of(results: Sequence[Result], method: str) -> list[Result]:
+    """Return one method's."""
+    return [result for result in results if result.method == method]
+
+
 def pointing(results: Sequence[Result]) -> list[Scores]:
     """Return the scores of target pointing, of however many touches."""
     return [r.scores for r in results if r.scores and _base(r.task) in ("pointing", RECORDING)]

@@ -17,6 +17,7 @@ examples:
   halo demo drums                           drums (or paint) without a camera
   halo monitor                              what a running service sends, in the terminal
   halo replay take.mkv --profile desk --jsonl take.jsonl
+  halo evaluate --quick                     how good the sensing is, on virtual people
 """
 
 

@@ -121,31 +121,34 @@ def calibrate(options: argparse.Namespace) -> int:
 
 
 def evaluate(options: argparse.Namespace) -> int:
-    """Run the study or judge a recording, and print what came of it."""
+    """Run the study or judge a recording, and tell what came of it."""
     from halo_service.app import evaluate as bench
     from halo_service.app.config import load
+    from halo_service.app.evaluate_told import Telling, telling
 
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
-    if options.recording is not None:
-        if options.truth is None:
+    with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
+        if options.recording is None:
+            asked = bench.Asked(
+                options.quick,
+                options.method,
+                options.users,
+                options.materials,
+                options.tasks,
+                options.labels,
+                options.keep,
+                options.kept_only,
+                options.jobs,
+            )
+            tell(bench.evaluate(settings, asked))
+        elif options.truth is None:
             raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
-        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
-        results = bench.evaluate_recording(settings, recorded)
-    else:
-        asked = bench.Asked(
-            options.quick,
-            options.method,
-            options.users,
-            options.materials,
-            options.tasks,
-            options.labels,
-            options.keep,
-            options.kept_only,
-            options.jobs,
-        )
-        results = bench.evaluate(settings, asked)
-    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown, options.report))
+        else:
+            recorded = bench.Recorded(
+                options.recording, options.truth, options.script, options.method
+            )
+            tell(bench.evaluate_recording(settings, recorded))
     return 0
 
 

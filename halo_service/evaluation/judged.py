@@ -12,6 +12,7 @@ from halo_service.evaluation.calibrated import profile_hash, settings_hash
 from halo_service.evaluation.kept import Line
 from halo_service.evaluation.result import Result, Subject
 from halo_service.evaluation.scores.take import score
+from halo_service.evaluation.scores.truth import read_truth
 from halo_service.evaluation.together import Look, Once, captures_of, together
 from halo_service.profile import Profile
 from halo_service.runtime.method import Method
@@ -51,20 +52,28 @@ def recording_judged(
 ) -> tuple[Result, ...]:
     """Run methods over a recording with one and the same profile, and judge them.
 
-    Raises `UserError` where the recording breaks off, or the truth is none.
+    Raises `UserError` where the recording breaks off, or truth or script is none.
     """
+    _require_truth(truth, script, profile)
     profiles = dict.fromkeys((method.name for method in methods), profile)
     told = together(captures_of(source), source.camera, Once(look), methods, profiles, settings)
     subject = Subject(name)
+    return tuple(
+        judged(subject, RECORDING, method, told[method], truth, script, profile, settings)
+        for method in told
+    )
+
+
+def _require_truth(truth: Sequence[Line], script: Sequence[Line], profile: Profile) -> None:
     try:
-        return tuple(
-            judged(subject, RECORDING, method, told[method], truth, script, profile, settings)
-            for method in told
-        )
-    except (KeyError, TypeError, ValueError) as error:
+        known = read_truth(truth, profile.surface)
+        times = [float(step["to_s"]) - float(step["from_s"]) for step in script]
+        if not known.frames or any(time <= 0.0 for time in times):
+            raise ValueError("no frame is told of, or a step ends before it begins")
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise UserError(
-            f"the truth of {name} cannot be understood ({error!r}); give --truth the file that "
-            f"'halo simulate --truth' wrote beside the recording"
+            f"the truth or script cannot be understood ({error!r}); give the files that "
+            f"'halo simulate' wrote beside the recording"
         ) from error
 
 

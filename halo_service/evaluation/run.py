@@ -15,6 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from multiprocessing import connection
 from typing import Any
 
@@ -22,10 +23,7 @@ import cv2
 
 from halo_calibration.errors import Refused
 from halo_service.errors import UserError
-from halo_service.evaluation.calibrated import (
-    Calibrated,
-    calibrate,
-)
+from halo_service.evaluation.calibrated import Calibrated, calibrate
 from halo_service.evaluation.capture import Studio
 from halo_service.evaluation.judged import judged
 from halo_service.evaluation.kept import load, restore
@@ -113,13 +111,19 @@ def _conduct(
     progress: Progress,
 ) -> None:
     """Hand out the work: a person's tasks when she is calibrated."""
+    costs = {
+        (person, task): _work_s(order, person, task)
+        for person, tasks in order.plan.items()
+        for task in (CALIBRATION, *tasks)
+    }
+    people = iter(order.plan)
     pending: dict[Future[Any], tuple[Person, Task]] = {}
-    costs = {}
-    for person, tasks in order.plan.items():
-        for task in (CALIBRATION, *tasks):
-            costs[person, task] = _work_s(order, person, task)
-        pending[pool.submit(_prepare, order, person)] = person, CALIBRATION
-    while pending:
+    while True:
+        # One ahead of the processes: profiles are large, and who is begun is best finished first.
+        for person in islice(people, max(0, order.jobs + 1 - len(pending))):
+            pending[pool.submit(_prepare, order, person)] = person, CALIBRATION
+        if not pending:
+            return
         for future in wait(pending, return_when=FIRST_COMPLETED).done:
             person, task = pending.pop(future)
             outcome = future.result()

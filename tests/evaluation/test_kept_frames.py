@@ -78,7 +78,7 @@ def test_the_same_pointers_with_the_same_values_come_of_both(both: Both) -> None
         assert [p.id for p in full.pointers] == [p.id for p in kept.pointers]
         pairs += zip(full.pointers, kept.pointers, strict=True)
     assert len(pairs) > 100
-    for name, most in (("x_mm", 0.3), ("y_mm", 0.3), ("hover_mm", 0.3), ("pressure", 0.02)):
+    for name, most in (("x_mm", 0.05), ("y_mm", 0.05), ("hover_mm", 0.05), ("pressure", 0.005)):
         off = [abs(getattr(a, name) - getattr(b, name)) for a, b in pairs]
         print(f"{name}: median {np.median(off):.4f}, p99 {np.percentile(off, 99.0):.4f}")
         assert np.percentile(off, 99.0) <= most, name

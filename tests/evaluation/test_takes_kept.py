@@ -5,59 +5,35 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from halo_service.evaluation import kept as kept_module
-from halo_service.evaluation.capture import Look, Studio
-from halo_service.evaluation.kept import Kept, keep_whole, load, save
-from halo_service.evaluation.matrix import CALIBRATION, Person, Task
-from halo_service.geometry.camera import Camera
-from halo_service.profile import Profile
-from halo_service.values import Tracked
-from halo_service.virtual.naming import wish
-from halo_service.virtual.offline import Take
-from halo_service.virtual.plays.calibration import BACKGROUND_S
-
-PERSON = Person(205, "paper")
-SHORT = Task("short", "demo", 0.5, ends=False)
-LONG = Task("long", "demo", 60.0, ends=False)
-
-
-@contextmanager
-def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Look]:
-    """A hand tracker that sees nobody: who draws takes needs no more."""
-    yield lambda frame: Tracked(frame.time_us, ())
+from halo_service.evaluation.capture import Studio
+from halo_service.evaluation.kept import Kept, load, save
+from halo_service.evaluation.matrix import CALIBRATION, Task
+from tests.evaluation.empty import LONG, PERSON, SHORT, studio_in
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which a person's empty table is kept, and nothing else."""
-    studio = Studio(tmp_path_factory.mktemp("takes"), blind, "nobody")
-    empty = Take(wish(f"sim:idle?seed={PERSON.seed}&material=paper"), BACKGROUND_S, colour=False)
-    captures = [keep_whole(frame, Tracked(0, ())) for frame, _ in empty if frame is not None]
-    made = studio.made(PERSON, CALIBRATION)
-    save(studio.path(PERSON, CALIBRATION), Kept(tuple(captures), (), ()), made)
-    return studio.folder
+def studio(tmp_path_factory: pytest.TempPathFactory) -> Studio:
+    return studio_in(tmp_path_factory.mktemp("takes"))
 
 
-def test_a_take_that_is_kept_is_not_drawn_again_and_another_one_is(folder: Path) -> None:
-    studio = Studio(folder, blind, "nobody")
+def test_a_take_that_is_kept_is_not_drawn_again_and_another_one_is(studio: Studio) -> None:
     studio.provide(PERSON, SHORT)
     first = studio.path(PERSON, SHORT).stat().st_mtime_ns
     assert len(load(studio.path(PERSON, SHORT)).captures) == 15
     studio.provide(PERSON, SHORT)
     assert studio.path(PERSON, SHORT).stat().st_mtime_ns == first
-    Studio(folder, blind, "another tracker").provide(PERSON, SHORT)
+    replace(studio, tracker="another").provide(PERSON, SHORT)
     assert studio.path(PERSON, SHORT).stat().st_mtime_ns > first
 
 
 @pytest.mark.parametrize("harm", ["cut", "empty", "text"])
-def test_a_damaged_take_is_made_anew(folder: Path, harm: str) -> None:
-    studio = Studio(folder, blind, "nobody")
+def test_a_damaged_take_is_made_anew(studio: Studio, harm: str) -> None:
     studio.provide(PERSON, SHORT)
     path = studio.path(PERSON, SHORT)
     whole = path.read_bytes()
@@ -67,8 +43,7 @@ def test_a_damaged_take_is_made_anew(folder: Path, harm: str) -> None:
     assert path.read_bytes() == whole
 
 
-def test_a_take_ends_half_a_second_after_its_last_touch(folder: Path) -> None:
-    studio = Studio(folder, blind, "nobody")
+def test_a_take_ends_half_a_second_after_its_last_touch(studio: Studio) -> None:
     task = Task("two", "demo", 12.0, ends=False, touches=2)
     studio.provide(PERSON, task)
     kept = load(studio.path(PERSON, task))
@@ -78,9 +53,7 @@ def test_a_take_ends_half_a_second_after_its_last_touch(folder: Path) -> None:
     assert 0.4 <= after_s <= 0.6
 
 
-def test_a_write_that_fails_leaves_nothing(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_write_that_fails_leaves_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def full(file: object, **arrays: object) -> None:
         file.write(b"half of it")  # type: ignore[attr-defined]
         raise OSError("No space left on device")
@@ -95,22 +68,24 @@ KILLED = """
 import sys
 from pathlib import Path
 sys.path.insert(0, {root!r})
-from tests.evaluation import test_takes_kept as here
 from contextlib import contextmanager
+from halo_service.evaluation.capture import Studio
+from halo_service.values import Tracked
+from tests.evaluation.empty import LONG, PERSON
 
 @contextmanager
 def telling(camera, profile, hands):
     def look(frame):
         print("frame", flush=True)
-        return here.Tracked(frame.time_us, ())
+        return Tracked(frame.time_us, ())
     yield look
 
-here.Studio(Path({folder!r}), telling, "nobody").provide(here.PERSON, here.LONG)
+Studio(Path({folder!r}), telling, "nobody").provide(PERSON, LONG)
 """
 
 
-def test_a_run_that_is_killed_in_mid_take_leaves_nothing_and_goes_on(folder: Path) -> None:
-    studio = Studio(folder, blind, "nobody")
+def test_a_run_that_is_killed_in_mid_take_leaves_nothing_and_goes_on(studio: Studio) -> None:
+    folder = studio.folder
     before = sorted(folder.rglob("*"))
     root = str(Path(__file__).parents[2])
     process = subprocess.Popen(
@@ -129,20 +104,19 @@ def test_a_run_that_is_killed_in_mid_take_leaves_nothing_and_goes_on(folder: Pat
     assert studio.has(PERSON, CALIBRATION)
 
 
-def test_what_a_killed_write_left_is_swept_up_by_the_next_run(folder: Path) -> None:
-    left = folder / PERSON.name / ".short.npz.123.part"
+def test_what_a_killed_write_left_is_swept_up_by_the_next_run(studio: Studio) -> None:
+    left = studio.of(PERSON) / ".short.npz.123.part"
     left.write_bytes(b"half of it")
-    with Studio(folder, blind, "nobody").to_itself():
+    with studio.to_itself():
         assert not left.exists()
 
 
 def test_two_runs_do_not_fill_the_same_folder(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("halo_service.profile.lock.WAIT_S", 0.05)
-    studio = Studio(folder, blind, "nobody")
     with studio.to_itself():
         with pytest.raises(OSError, match="another program"), studio.to_itself():
             pass
-        with Studio(folder, blind, "nobody", draws=False).to_itself():
+        with replace(studio, draws=False).to_itself():
             pass  # who only reads, reads on

@@ -80,6 +80,11 @@ CASES = {
     "no re-tap told": ("touch point", [result(retapped({6.0: 0}), "threshold")], SHORT),
     "a key in 100": ("keys", [result(empty(keys=Keys(100, 1)), "typing")], PASS),
     "two keys in 100": ("keys", [result(empty(keys=Keys(100, 2)), "typing-fast")], SHORT),
+    "right, but two in 100 missed": (
+        "keys",
+        [result(empty(keys=Keys(100, 0, missed=2)), "typing")],
+        SHORT,
+    ),
     "a stuck touch": ("touches that stick", [result(empty(conduct=Conduct(1)))], SHORT),
     "real taps": ("real people", [result(taps(), "labels-05_1")], PASS),
     "everybody calibrated": ("tables that could not", [result(taps())], PASS),

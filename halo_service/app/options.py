@@ -166,6 +166,7 @@ def _evaluate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
     verb.add_argument("--each", action="store_true", help="a line a person, task and method")
     verb.add_argument("--markdown", action="store_true", help="tables for a page")
+    verb.add_argument("--report", type=Path, metavar="DIR", help="a page with the plots")
     verb.add_argument("--csv", metavar="FILE", help="every figure of every person; - for stdout")
     verb.set_defaults(run=verbs.evaluate)
 

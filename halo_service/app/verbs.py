@@ -145,7 +145,7 @@ def evaluate(options: argparse.Namespace) -> int:
             options.jobs,
         )
         results = bench.evaluate(settings, asked)
-    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown))
+    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown, options.report))
     return 0
 
 

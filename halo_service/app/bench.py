@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import logging
 import math
-import os
 import platform
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
@@ -48,16 +46,12 @@ from halo_service.values import Frame
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.naming import Wish, wish
 
-log = logging.getLogger(__name__)
-
 CASES = {1: "sim:pointing?seed=1", 2: "sim:drumming?seed=1"}
 """By the hands in them: what is played where nobody names a source."""
 ROUNDS = 2
 """Ours first, then ours last."""
 LONGEST_S = 60.0
 """50 MB a second are held in memory."""
-BUSY = 0.5
-"""Of its cores: more than that in use before anything is measured, and figures suffer."""
 NODE, SESSION = "bench", "00000000"
 
 
@@ -80,7 +74,6 @@ def bench(asked: Asked, settings: Settings) -> None:
     wanted = (asked.hands,) if asked.hands else (1, 2)
     if asked.source is not None:
         wanted = (asked.hands or settings.tracking.max_hands,)
-    _say_if_busy()
     cases: list[Case] = []
     for hands in wanted:
         source = asked.source or CASES[hands]
@@ -120,13 +113,15 @@ class Service:
         frames = Wire(NODE, SESSION, 0)
         return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close
 
-    def sequential(self) -> tuple[Sequential, Callable[[], None]]:
+    def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
         """Make the paper's order, with a tracker of its own."""
-        tracking = self._settings.tracking
-        finder = HandTracker(model_for(tracking), tracking.max_hands)
-        states = self._profile.touch
-        assert states is not None  # `_profile_for` saw to it
-        return Sequential(self._profile, states, finder, self._regressor), finder.close
+        profile, settings = self._profile, self._settings
+        finder = HandTracker(model_for(settings.tracking), settings.tracking.max_hands)
+        assert profile.touch is not None  # `_profile_for` saw to it
+        sequential = Sequential(
+            profile, profile.touch, settings.sensing, finder, self._regressor, watch
+        )
+        return sequential, finder.close
 
 
 def _case(source: str, hands: int, asked: Asked, settings: Settings) -> Case:
@@ -205,18 +200,6 @@ def _first(recording: Recording, seconds: float) -> Iterator[Frame]:
         if capture.time_us - began_us >= 1e6 * seconds:
             return
         yield capture
-
-
-def _say_if_busy() -> None:
-    """Latency is measured in time that others use, too."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    if load > BUSY * (cores or 1):
-        log.warning(
-            "bench: this machine is busy (load %.1f on %s cores): both latencies will be too high",
-            load,
-            cores,
-        )
 
 
 def _bar(what: str, total: int) -> tqdm[None]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from halo_service.evaluation.latency.figures import Case, Figures, goals
 
+BUSY_MS = 0.5
+"""Waiting for a core for longer, a frame, our median says more of the machine than of us."""
 HANDS = {1: "one hand", 2: "two hands"}
 
 
@@ -31,6 +33,12 @@ def table(case: Case) -> list[str]:
     if ours.contacts is not None or sequential.contacts is not None:
         lines += ["contact -> down message"]
         lines += [f"  {name:11}{_contacts(figures)}" for name, figures in pairs]
+    waited = ours.core_wait_a_frame
+    if waited is not None and waited > BUSY_MS:
+        lines += [
+            f"note: others kept our frames off the cores for {waited:.1f} ms each; "
+            "on a free machine all of this is faster"
+        ]
     lines += ["goals"]
     lines += [
         f"  {goal.name:32}{goal.value:8.2f}  {goal.wanted:10} "

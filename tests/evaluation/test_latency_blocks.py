@@ -26,8 +26,8 @@ SECONDS = 0.5
 STAGES = {
     "ours": ["wait", "unpack", "sense", "encode", "send"],
     "sequential": [
-        "wait", "unpack", "decode", "warp", "blend", "hands", "fingertip", "halo", "correct",
-        "touch", "encode", "send",
+        "wait", "unpack", "decode", "warp", "blend", "hands", "halo", "correct", "touch",
+        "encode", "send",
     ],
 }  # fmt: skip
 STATES = TouchStates(
@@ -92,7 +92,10 @@ def test_every_packet_reached_the_client(blocks: list[Block]) -> None:
 def test_each_frame_passed_every_stage_in_order(blocks: list[Block]) -> None:
     for block in blocks:
         for row in block.rows:
-            assert list(row.stages_ns) == STAGES[block.arrangement]
+            found = block.arrangement == "ours" or "correct" in row.stages_ns
+            skipped = () if found else ("halo", "correct")  # a frame without hands
+            wanted = [name for name in STAGES[block.arrangement] if name not in skipped]
+            assert list(row.stages_ns) == wanted
             assert all(each >= 0 for each in row.stages_ns.values())
             assert row.latency_ns == sum(row.stages_ns.values())
 
@@ -103,8 +106,8 @@ def test_the_paper_s_order_looks_for_hands_in_every_frame_and_finds_some(
     regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
     assert regressor is not None
     service = Service(take, profile, regressor, Settings(tracking=TrackingSettings(max_hands=1)))
-    sequential, close = service.sequential()
-    told = [sequential.sensed(unpacked(each, take.camera), Stopwatch()) for each in take.captures]
+    sequential, close = service.sequential(Stopwatch())
+    told = [sequential.sensed(unpacked(each, take.camera)) for each in take.captures]
     close()
     assert [each.time_us for each in told] == [each.time_us for each in take.captures]
     assert any(each.pointers for each in told)

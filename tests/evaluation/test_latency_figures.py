@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from halo_service.app.bench_table import table
-from halo_service.evaluation.latency.blocks import Arrangement, Block
+from halo_service.evaluation.latency.blocks import Arrangement, Block, Spent
 from halo_service.evaluation.latency.drawn import Take, TrueContact
 from halo_service.evaluation.latency.figures import Case, case_of, goals
 from halo_service.evaluation.latency.handed import Handed
@@ -37,7 +37,8 @@ def block(arrangement: Arrangement, ms: Sequence[float], *downs_at: int) -> Bloc
         )
         for n, each in enumerate(ms)
     )
-    return Block(arrangement, rows, len(ms), 0, 2.0 * len(ms), len(ms), Heard(9, len(ms) + 1), 1)
+    spent = Spent(2.0 * len(ms), 1.0 * len(ms), 0.5 * len(ms))
+    return Block(arrangement, rows, len(ms), 0, spent, Heard(9, len(ms) + 1), unasked=1)
 
 
 def case(profile: Profile, camera: Camera, *blocks: Block, contacts: Sequence[int] = ()) -> Case:
@@ -63,6 +64,7 @@ def test_stages_percentiles_and_work_are_summed_over_all_blocks(
     assert (ours.latency.median, ours.latency.most) == pytest.approx((4.0, 6.0))
     assert ours.stages["wait"].median + ours.stages["send"].median == pytest.approx(4.0)
     assert (ours.cpu_a_frame, ours.path_cpu_a_frame) == pytest.approx((2.0, 1.0))
+    assert ours.core_wait_a_frame == pytest.approx(0.5)
     assert summed.ratio == pytest.approx(10.0)
     assert ours.contacts is None
 
@@ -159,6 +161,6 @@ def test_a_case_is_plain_enough_for_json(profile: Profile, camera: Camera) -> No
     for each in (said["ours"], said["sequential"]):
         assert set(each) == {
             "frames", "dropped", "heard", "datagrams", "latency", "stages", "cpu_a_frame",
-            "path_cpu_a_frame", "contacts",
+            "path_cpu_a_frame", "core_wait_a_frame", "contacts",
         }  # fmt: skip
         assert set(each["latency"]) == {"median", "p95", "p99", "most"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal, Protocol
 
 from halo_service.evaluation.latency.drawn import Take
@@ -23,6 +24,21 @@ from halo_service.values import TouchFrame
 Arrangement = Literal["ours", "sequential"]
 STARTING_S = 0.05
 """How often a starting tracker is asked whether it is there."""
+SCHEDSTAT = Path("/proc/thread-self/schedstat")
+"""Linux: nanoseconds on a core, nanoseconds of waiting for one, and how often."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """What playing a take cost, from its first frame to its last."""
+
+    cpu_ms: float
+    """Of all threads."""
+    path_cpu_ms: float
+    """Of the thread that takes frames and sends packets."""
+    core_wait_ms: float | None
+    """How long that thread was ready to run while others had the cores; None where the system
+    does not say (Linux does)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,10 +50,7 @@ class Block:
     offered: int
     dropped: int
     """Frames that a newer one replaced before they were taken."""
-    cpu_ms: float
-    """Of all threads, from the first frame to the last."""
-    path_cpu_ms: float
-    """Of the thread that takes frames and sends packets."""
+    spent: Spent
     heard: Heard
     unasked: int
     """Packets among them that told of no frame: our loop's farewell."""
@@ -55,7 +68,7 @@ class Parts(Protocol):
     def publisher(self, watch: Stopwatch, port: int) -> tuple[Publishes, Callable[[], None]]:
         """What sends to a port of this machine, with laps around it; and how to close it."""
 
-    def sequential(self) -> tuple[Sequential, Callable[[], None]]:
+    def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
         """The paper's order with a hand tracker of its own; and how to close it."""
 
 
@@ -93,7 +106,7 @@ def _block(arrangement: Arrangement, take: Take, parts: Parts, listener: Listene
     play = _ours if arrangement == "ours" else _sequential
     listener.heard()
     try:
-        cpu_s, path_cpu_s = play(player, publisher, watch, parts)
+        spent = play(player, publisher, watch, parts)
     finally:
         close()
     return Block(
@@ -101,42 +114,50 @@ def _block(arrangement: Arrangement, take: Take, parts: Parts, listener: Listene
         tuple(watch.rows),
         len(take.captures),
         player.dropped,
-        1000.0 * cpu_s,
-        1000.0 * path_cpu_s,
+        spent,
         listener.heard(),
         watch.unasked,
     )
 
 
-def _ours(
-    player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts
-) -> tuple[float, float]:
+def _ours(player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts) -> Spent:
     """Run the service's own loop, with the tracker beside it."""
     tracker = parts.tracker()
     try:
         while tracker.state == "starting":
             time.sleep(STARTING_S)
         loop = LiveLoop(player, _never, tracker, parts.state(), _Told(publisher, watch))
-        return _cpu_s(loop.run)
+        return _spent(loop.run)
     finally:
         tracker.close()
 
 
-def _sequential(
-    player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts
-) -> tuple[float, float]:
-    sequential, close = parts.sequential()
+def _sequential(player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts) -> Spent:
+    sequential, close = parts.sequential(watch)
     try:
-        return _cpu_s(lambda: sequential.run(player, publisher.frame, watch))
+        return _spent(lambda: sequential.run(player, publisher.frame))
     finally:
         close()
 
 
-def _cpu_s(act: Callable[[], None]) -> tuple[float, float]:
-    """CPU time of all threads and of this one while it acts, s."""
-    all_s, this_s = time.process_time(), time.thread_time()
+def _spent(act: Callable[[], None]) -> Spent:
+    """Act, and say what it cost."""
+    cpu_s, path_s, wait_ms = time.process_time(), time.thread_time(), _core_wait_ms()
     act()
-    return time.process_time() - all_s, time.thread_time() - this_s
+    waited_ms = _core_wait_ms()
+    return Spent(
+        1000.0 * (time.process_time() - cpu_s),
+        1000.0 * (time.thread_time() - path_s),
+        None if wait_ms is None or waited_ms is None else waited_ms - wait_ms,
+    )
+
+
+def _core_wait_ms() -> float | None:
+    """How long this thread has waited for a core in its life, as Linux counts it."""
+    if not SCHEDSTAT.is_file():
+        return None
+    _, waited_ns, _ = SCHEDSTAT.read_text().split()
+    return int(waited_ns) / 1e6
 
 
 def _never() -> Source:

@@ -61,6 +61,8 @@ class Figures:
     """All threads."""
     path_cpu_a_frame: float
     """The thread from frame to packet alone."""
+    core_wait_a_frame: float | None
+    """How long that thread was kept off the cores by others; None where the system does not say."""
     contacts: Contacts | None
     """None where the truth is not known, or nothing touched."""
 
@@ -107,8 +109,9 @@ def case_of(take: Take, hands: int, blocks: Sequence[Block], surface: Surface) -
             datagrams=sum(block.heard.datagrams for block in mine),
             latency=_spread([row.latency_ns for row in rows]),
             stages={name: _spread([row.stages_ns.get(name, 0) for row in rows]) for name in names},
-            cpu_a_frame=sum(block.cpu_ms for block in mine) / max(len(rows), 1),
-            path_cpu_a_frame=sum(block.path_cpu_ms for block in mine) / max(len(rows), 1),
+            cpu_a_frame=sum(block.spent.cpu_ms for block in mine) / len(rows),
+            path_cpu_a_frame=sum(block.spent.path_cpu_ms for block in mine) / len(rows),
+            core_wait_a_frame=_a_frame([block.spent.core_wait_ms for block in mine], len(rows)),
             contacts=_contacts([each for block in delays for each in block], period_us),
         )
 
@@ -136,6 +139,11 @@ def goals(case: Case) -> tuple[Goal, ...]:
 def _spread(times_ns: Sequence[int]) -> Spread:
     median, p95, p99, most = np.percentile(np.array(times_ns) / 1e6, (50, 95, 99, 100)).tolist()
     return Spread(median, p95, p99, most)
+
+
+def _a_frame(block_ms: Sequence[float | None], frames: int) -> float | None:
+    known = [each for each in block_ms if each is not None]
+    return sum(known) / frames if len(known) == len(block_ms) else None
 
 
 def _contacts(delays_us: Sequence[float | None], period_us: float) -> Contacts | None:

@@ -1,27 +1,32 @@
 """The paper's order: each frame goes through all stages, the hand tracker among them.
 
 As one would write it from section 4.3, with what this house has where the paper is silent: the
-colour warp is ours, which is faster than the SDK's, and so are encoding and sending.
+colour warp is ours, which is faster than the SDK's, and so are encoding and sending. The touch
+is the rival's of `halo evaluate`, to the letter; the regressor is asked itself, not a grid of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.evaluation.latency import paper
 from halo_service.evaluation.latency.regressor import Regressor
 from halo_service.evaluation.latency.stopwatch import Stopwatch
-from halo_service.profile import Profile, TouchStates
+from halo_service.evaluation.rivals.paper import PAPER
+from halo_service.evaluation.rivals.paper_signal import Reading
+from halo_service.profile import Correction, Profile, TouchStates
+from halo_service.sensing import SensingSettings
 from halo_service.sources import EndOfSource, Source
 from halo_service.tracking.blend import IR_SHARE, SHRINK, ColourWarp, Picture, toned
 from halo_service.values import Depth, Frame, TouchFrame, Tracked
 
 READ_S = 0.25
+"""Longest wait for a frame, as in our loop."""
 
 
 class Finder(Protocol):
@@ -32,24 +37,30 @@ class Finder(Protocol):
 
 
 class Sequential:
-    """Runs one take in the paper's order."""
+    """Senses one take in the paper's order, lap by lap."""
 
     def __init__(
-        self, profile: Profile, states: TouchStates, finder: Finder, regressor: Regressor
+        self,
+        profile: Profile,
+        states: TouchStates,
+        settings: SensingSettings,
+        finder: Finder,
+        regressor: Regressor,
+        watch: Stopwatch,
     ) -> None:
-        """`states`: the four that hold for its fingers."""
-        self._profile = profile
+        """`states`: the four of the profile, whose place is where the correction is 1."""
         self._finder = finder
         self._regressor = regressor
+        self._watch = watch
         held = states.touch
         self._held = regressor.expect(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-        self._touches = paper.Touches(profile, states)
+        self._state = replace(PAPER.start(profile, settings), correct=self._corrected)
         known = profile.background.valid
-        middle = np.float32(np.median(profile.background.mean_mm[known]))
-        background_mm = np.where(known, profile.background.mean_mm, middle)
+        middle_mm = np.float32(np.median(profile.background.mean_mm[known]))
+        background_mm = np.where(known, profile.background.mean_mm, middle_mm)
         self._warp = ColourWarp(profile.camera, background_mm)
 
-    def run(self, source: Source, publish: Callable[[TouchFrame], None], watch: Stopwatch) -> None:
+    def run(self, source: Source, publish: Callable[[TouchFrame], None]) -> None:
         """Take frames until the source ends; each is published before the next is taken."""
         while True:
             try:
@@ -57,36 +68,33 @@ class Sequential:
             except EndOfSource:
                 return
             if isinstance(frame, Frame):
-                told = self.sensed(frame, watch)
+                told = self.sensed(frame)
                 publish(told)
-                watch.end(told)
+                self._watch.end(told)
 
-    def sensed(self, frame: Frame, watch: Stopwatch) -> TouchFrame:
-        """Sense one frame, lap by lap."""
+    def sensed(self, frame: Frame) -> TouchFrame:
+        """Sense one frame."""
+        lap = self._watch.lap
         colour = _decoded(frame.colour)
-        watch.lap("decode")
+        lap("decode")
         warped = None if colour is None else self._warped(colour, frame.depth)
-        watch.lap("warp")
+        lap("warp")
         picture = _blended(toned(frame.ir), warped)
-        watch.lap("blend")
-        hands = self._finder.find(picture, frame.time_us).hands
-        watch.lap("hands")
-        seen = (paper.fingertip(hand, frame.depth, self._profile) for hand in hands)
-        tips = [tip for tip in seen if tip is not None]
-        watch.lap("fingertip")
-        halo_mm = paper.excess(frame.depth, self._profile.background)
-        raw = [paper.signal(halo_mm, tip) for tip in tips]
-        watch.lap("halo")
-        values = [self._corrected(each, tip) for each, tip in zip(raw, tips, strict=True)]
-        watch.lap("correct")
-        told = self._touches.frame(frame.time_us, list(zip(tips, values, strict=True)))
-        watch.lap("touch")
+        lap("blend")
+        tracked = self._finder.find(picture, frame.time_us)
+        lap("hands")
+        told, self._state = PAPER.step(self._state, frame, tracked)
+        lap("touch")
         return told
 
-    def _corrected(self, raw: float, tip: paper.Tip) -> float:
+    def _corrected(self, reading: Reading, correction: Correction | None) -> float:
         """Give a signal as it would read where the states were held."""
-        there = self._regressor.expect(tip.x_mm, tip.y_mm, tip.pitch_deg, tip.yaw_deg)
-        return raw * self._held / there
+        del correction  # the grid that ours interpolates
+        self._watch.lap("halo")
+        place = (*reading.place_mm, reading.pitch_deg, reading.yaw_deg)
+        signal = reading.raw * self._held / self._regressor.expect(*place)
+        self._watch.lap("correct")
+        return signal
 
     def _warped(self, colour: Picture, depth: Depth) -> Picture | None:
         places = self._warp.places(depth)

@@ -30,9 +30,13 @@ def table(case: Case) -> list[str]:
     lines += [f"  {name:11}{_stages(figures)}" for name, figures in pairs]
     lines += ["CPU of a frame, ms; frames"]
     lines += [f"  {name:11}{_work(figures)}" for name, figures in pairs]
-    if ours.contacts is not None or sequential.contacts is not None:
-        lines += ["contact -> down message"]
-        lines += [f"  {name:11}{_contacts(figures)}" for name, figures in pairs]
+    if case.contacts is not None:
+        told = case.contacts
+        lines += [
+            "contact -> down message",
+            f"  ours       median {told.median_ms:.1f} ms ({told.median_frames:.2f} frames), "
+            f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told",
+        ]
     waited = ours.core_wait_a_frame
     if waited is not None and waited > BUSY_MS:
         lines += [
@@ -59,14 +63,4 @@ def _work(figures: Figures) -> str:
     return (
         f"{figures.cpu_a_frame:6.1f} in all, {figures.path_cpu_a_frame:.1f} from frame to packet; "
         f"{figures.frames} of {offered} frames sent, {figures.heard} heard"
-    )
-
-
-def _contacts(figures: Figures) -> str:
-    told = figures.contacts
-    if told is None:
-        return "no true contact was told"
-    return (
-        f"median {told.median_ms:.1f} ms ({told.median_frames:.2f} frames), p95 {told.p95_ms:.1f} "
-        f"ms; {told.told} of {told.true} told"
     )

@@ -62,6 +62,9 @@ def parser() -> argparse.ArgumentParser:
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
+    _bench_options(
+        commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
+    )
     doctor = commands.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
     doctor.add_argument("--source", metavar="S", help="as for serve")
     doctor.set_defaults(run=verbs.doctor)
@@ -149,6 +152,18 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
     verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
     verb.set_defaults(run=verbs.calibrate)
+
+
+def _bench_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--hands", type=int, choices=(1, 2), help="look for so many (default: both by turns)"
+    )
+    verb.add_argument(
+        "--seconds", type=float, default=15.0, metavar="N", help="length of a take (default 15)"
+    )
+    verb.add_argument("--source", metavar="S", help="recording:FILE or sim[:SCENARIO]")
+    verb.add_argument("--json", metavar="FILE", help="write all figures; - for stdout")
+    verb.set_defaults(run=verbs.bench)
 
 
 def _evaluate_options(verb: argparse.ArgumentParser) -> None:

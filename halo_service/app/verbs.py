@@ -167,6 +167,19 @@ def profile(options: argparse.Namespace) -> int:
     return 0
 
 
+def bench(options: argparse.Namespace) -> int:
+    """Measure how soon packets leave."""
+    from halo_service.app.bench import Asked
+    from halo_service.app.bench import bench as measure
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
+    measure(asked, settings)
+    return 0
+
+
 def doctor(options: argparse.Namespace) -> int:
     """Exit code 0: nothing is missing; 1: something is."""
     from halo_service.app.config import load

@@ -108,15 +108,14 @@ def board_change(
 
 def stripes_change(
     setup: Setup,
-    shown: Sequence[Sequence[Frame]],
+    views: Sequence[View],
     profile: Profile,
     size_px: tuple[int, int],
 ) -> Change:
-    """Take the projector from Gray code: the frames of each picture, in the pictures' order.
+    """Take the projector from Gray code: a view of each picture, in the pictures' order.
 
     Raises `Refused`.
     """
-    views = [colour_view(frames, setup.camera) for frames in shown]
     decoded = decode([view.picture for view in views], *size_px)
     solved = projector_by_gray_code(
         decoded, views[0].lens, views[0].lens_from_camera, profile.surface

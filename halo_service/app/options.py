@@ -56,6 +56,11 @@ def parser() -> argparse.ArgumentParser:
         "calibrate", parents=[common], help="teach the service a place and a finger"
     )
     _calibrate_options(calibration)
+    _verify_options(
+        commands.add_parser(
+            "verify", parents=[common], help="touch a projected grid, and see how far off it is"
+        )
+    )
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
@@ -168,6 +173,23 @@ def _screen_options(verb: argparse.ArgumentParser) -> None:
         "--display", type=int, default=0, metavar="N", help="which is the projector, from 0"
     )
     verb.add_argument("--window", action="store_true", help="a window instead of a whole display")
+
+
+def _verify_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument(
+        "--from",
+        dest="service",
+        nargs="?",
+        const="osc://127.0.0.1:9000",
+        metavar="URL",
+        help="the fingers of a running service (default: osc://127.0.0.1:9000), not a source's",
+    )
+    _screen_options(verb)
+    verb.add_argument(
+        "--within-mm", type=float, default=5.0, metavar="MM", help="what 95 %% must keep to pass"
+    )
+    verb.set_defaults(run=verbs.verify)
 
 
 def _profile_options(verb: argparse.ArgumentParser) -> None:

@@ -140,6 +140,20 @@ def _places(options: argparse.Namespace) -> PlaceWish:
     return PlaceWish(options.by, options.width_mm, options.height_mm, screen, marker)
 
 
+def verify(options: argparse.Namespace) -> int:
+    """Exit code 0: all crossings were touched, and nearly; 1: they were not."""
+    from halo_service.app.config import load
+    from halo_service.app.screens import ScreenWish
+    from halo_service.app.verify import VerifyWish
+    from halo_service.app.verify import verify as look
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    screen = ScreenWish(options.display, options.window)
+    return look(settings, VerifyWish(screen, options.service, options.within_mm))
+
+
 def profile(options: argparse.Namespace) -> int:
     """Look after the profiles."""
     from halo_service.app import profiles

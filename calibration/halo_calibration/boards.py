@@ -61,6 +61,18 @@ class Printed:
         """(4, 2) mm of one marker, from the top left clockwise as one reads the sheet."""
         return np.asarray(SQUARE * self.size_mm + self.middles_mm[marker], dtype=np.float64)
 
+    def picture(self, width_mm: float, height_mm: float, per_mm: int) -> Picture:
+        """(h, w) a sheet of a size with the board in its middle, so many pixels a mm."""
+        picture = np.full((round(height_mm * per_mm), round(width_mm * per_mm)), 255, np.uint8)
+        side = round(self.size_mm * per_mm)
+        for marker, (x, y) in self.middles_mm.items():
+            squares = np.where(marker_squares(self.family, marker), 0, 255).astype(np.uint8)
+            black = cv2.resize(squares, (side, side), interpolation=cv2.INTER_NEAREST)
+            left = round((x + width_mm / 2.0) * per_mm - side / 2.0)
+            top = round((y + height_mm / 2.0) * per_mm - side / 2.0)
+            picture[top : top + side, left : left + side] = black
+        return picture
+
 
 def _grid(first: int, columns: int, rows: int, step: float) -> dict[int, tuple[float, float]]:
     return {
@@ -105,14 +117,14 @@ def marker_squares(family: Family, marker: int) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class Projected:
-    """A ChArUco board that fills a projector's picture: ten squares across, white around it."""
+    """A ChArUco board that fills a projector's picture, ten squares along its longer side."""
 
     width_px: int
     height_px: int
 
     name = "projected board"
     family = ARUCO
-    COLUMNS = 10
+    ALONG = 10
     """45 points on 16:10, whose markers are still read where the picture is 45 cm wide and the
     camera 1 m away."""
     SHARE = 0.7
@@ -120,16 +132,17 @@ class Projected:
 
     def __post_init__(self) -> None:
         """Raise `UserError` for a picture that no projector has."""
-        if not (320 <= self.width_px <= 8192 and 240 <= self.height_px <= 8192):
+        short, long = sorted((self.width_px, self.height_px))
+        if not (240 <= short <= long <= min(8192, 3 * short)):
             raise UserError(
                 f"a projector's picture of {self.width_px} x {self.height_px} pixels cannot be "
-                f"used; give 320 x 240 to 8192 x 8192"
+                f"used; its sides may be 240 to 8192 px long, and the one three times the other"
             )
 
     @property
     def square_px(self) -> int:
         """Side of a square."""
-        return min(self.width_px // self.COLUMNS, self.height_px // 4)
+        return max(self.width_px, self.height_px) // self.ALONG
 
     @cached_property
     def grid(self) -> cv2.aruco.CharucoBoard:

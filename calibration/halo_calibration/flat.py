@@ -1,4 +1,4 @@
-"""Two figures on one plane, and how one was turned and shifted to become the other. Pure."""
+"""Points on a plane: how one figure became another, what lies within, what repeats. Pure."""
 
 from __future__ import annotations
 
@@ -6,8 +6,18 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from halo_calibration.errors import Refused
 from halo_service.geometry.camera import Points
+
+EDGE = 1e-3
+"""Of an area: what a float32 hull leaves in doubt."""
+TOUCHES = 3
+"""Of each place that is touched."""
+STEADY_MM = 8.0
+"""Touches of one place lie closer to their middle: they err by 5.5 mm (paper 6.2), a finger held
+the same way errs alike, and then 2 mm remain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,20 +46,26 @@ def fit_rigid(here: Points, there: Points) -> Rigid:
     return Rigid(matrix, scale, np.linalg.norm(off, axis=1))
 
 
-def hull_area(points: Points) -> float:
-    """Area of the convex hull of (N, 2) points; 0 for fewer than three."""
-    return 0.0 if len(points) < 3 else float(cv2.contourArea(hull(points).astype(np.float32)))
+def inside(points: Points, around: Points) -> NDArray[np.bool_]:
+    """(N,) which of (N, 2) points lie in the convex hull of (M, 2) others, its edge included."""
+    if len(around) < 3:
+        return np.zeros(len(points), dtype=np.bool_)
+    corners = cv2.convexHull(around.astype(np.float32)).reshape(-1, 2).astype(np.float64)
+    to_next = np.roll(corners, -1, axis=0) - corners
+    away = points[:, None] - corners
+    side = to_next[:, 0] * away[..., 1] - to_next[:, 1] * away[..., 0]
+    return np.asarray((side >= -EDGE).all(axis=1) | (side <= EDGE).all(axis=1))
 
 
-def hull(points: Points) -> Points:
-    """(M, 2) corners of the convex hull, in order."""
-    around = cv2.convexHull(points.astype(np.float32))
-    return np.asarray(around, dtype=np.float64).reshape(-1, 2)
-
-
-def common(a: Points, b: Points) -> Points:
-    """(M, 2) corners of what the convex hulls of two sets of points share; (0, 2) for nothing."""
-    if len(a) < 3 or len(b) < 3:
-        return np.empty((0, 2))
-    area, shared = cv2.intersectConvexConvex(hull(a).astype(np.float32), hull(b).astype(np.float32))
-    return np.asarray(shared, dtype=np.float64).reshape(-1, 2) if area > 0.0 else np.empty((0, 2))
+def steady(what: str, touches: Points) -> Points:
+    """(2,) the middle of (N, 2) repeated touches, mm. Raises `Refused` where they differ."""
+    if len(touches) < TOUCHES:
+        raise Refused(f"{what} was touched {len(touches)} times: touch it {TOUCHES} times")
+    middle = np.median(touches, axis=0)
+    apart = float(np.linalg.norm(touches - middle, axis=1).max())
+    if apart > STEADY_MM:
+        raise Refused(
+            f"the touches of {what} lie up to {apart:.0f} mm apart: touch it again at the "
+            f"same mark, with the same finger held the same way each time"
+        )
+    return np.asarray(touches.mean(axis=0), dtype=np.float64)

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from halo_calibration.boards import Picture, Projected, crosses
 from halo_calibration.errors import Refused
-from halo_calibration.flat import common, hull_area
+from halo_calibration.flat import inside, steady
 from halo_calibration.graycode import Decoded
 from halo_calibration.sighting import Seen, detect
-from halo_calibration.unseen import hidden_at, require_seen
+from halo_calibration.unseen import require_seen
+from halo_calibration.where import place
 from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector
@@ -37,8 +38,6 @@ COVERED = 0.7
 """Of the part of the surface that the pattern should light, which must have been seen."""
 LIT = 0.1
 """Of the surface, which the pattern must light at least."""
-STEADY_MM = 8.0
-"""Three touches of one cross lie closer to their middle."""
 CROSSES = tuple(
     f"{row} {column}".strip()
     for row in ("far", "middle", "near")
@@ -110,10 +109,12 @@ def projector_of(
     solved = _solve(known, size, surface, OUTLIER_PX)
     _require_close(solved.error_px, WORST_PX, "px", "let nothing move, focus the projector")
     if solved.covered < COVERED:
-        where = hidden_at(seen, board)
+        back = np.linalg.inv(solved.projector.projector_from_surface)
+        hidden = _mapped(back, board.points_px[list(seen.missing)])
+        where = place(*(hidden.mean(axis=0) / (surface.width_mm, surface.height_mm)).clip(0.0, 1.0))
         raise Refused(
             f"only {100.0 * solved.covered:.0f} % of the surface under the projected board was "
-            f"seen, its marks {where} are hidden: take away what covers them, and try again"
+            f"seen, it is hidden {where}: take away what covers it, and try again"
         )
     return solved
 
@@ -146,11 +147,12 @@ def projector_by_touches(
 
     `touches`: nine times (N, 2) mm on the surface, in the order of `crosses`.
     """
-    middles = [_steady(name, at) for name, at in zip(CROSSES, touches, strict=True)]
+    middles = [steady(f"the {name} cross", at) for name, at in zip(CROSSES, touches, strict=True)]
     places = crosses(width_px, height_px)
     known = _Points(np.array(middles), places, [f"the {name} cross" for name in CROSSES], places)
-    scale = np.sqrt(hull_area(places) / max(hull_area(known.surface), 1.0))
-    solved = _solve(known, (width_px, height_px), surface, OUTLIER_TOUCH_MM * scale)
+    apart_mm = max(float(np.linalg.norm(np.std(middles, axis=0))), 1.0)
+    px_per_mm = float(np.linalg.norm(np.std(places, axis=0))) / apart_mm
+    solved = _solve(known, (width_px, height_px), surface, OUTLIER_TOUCH_MM * px_per_mm)
     again = "touch each cross in its middle, always with the same finger"
     _require_close(solved.error_mm, WORST_TOUCH_MM, "mm", again)
     return solved
@@ -161,15 +163,9 @@ def _solve(known: _Points, size: tuple[int, int], surface: Surface, outlier_px: 
     _require_spread(here)
     _require_spread(there)
     matrix, used = _robust(here, there, outlier_px)
-    outliers = tuple(name for name, good in zip(known.names, used, strict=True) if not good)
-    if len(outliers) > (1.0 - LEAST_INLIERS) * len(used):
-        named = ", ".join(outliers[:4]) + (", ..." if len(outliers) > 4 else "")
-        raise Refused(
-            f"{len(outliers)} of {len(used)} points contradict the others ({named}): let nothing "
-            f"move or lie on the surface meanwhile, and try again"
-        )
+    if matrix is None or np.mean(used) < LEAST_INLIERS:
+        raise Refused(_contradiction(known, used, outlier_px))
     _require_spread(here[used])
-    _require_upright(matrix, surface)
     off_px = np.linalg.norm(_mapped(matrix, here) - there, axis=1)
     off_mm = np.linalg.norm(_mapped(np.linalg.inv(matrix), there) - here, axis=1)
     free = max(int(np.count_nonzero(used)) - DOF, 1)
@@ -179,14 +175,17 @@ def _solve(known: _Points, size: tuple[int, int], surface: Surface, outlier_px: 
         error_mm=float(np.sqrt(np.sum(off_mm[used] ** 2) / free)),
         off_px=off_px,
         off_mm=off_mm,
-        outliers=outliers,
+        outliers=_left_out(known, used),
         covered=_covered(matrix, known, here[used], surface),
     )
 
 
-def _robust(here: Points, there: Pixels, outlier_px: float) -> tuple[Points, NDArray[np.bool_]]:
+def _robust(
+    here: Points, there: Pixels, outlier_px: float
+) -> tuple[Points | None, NDArray[np.bool_]]:
     """(3, 3) homography with last element 1, and which of the points it stands on."""
-    # MAGSAC++ finds who agrees, with a seed of its own that never changes; least squares fits them.
+    # MAGSAC++ finds who agrees, with a seed of its own that never changes; it knows no mirrors.
+    # Least squares then fits them.
     found, _ = cv2.findHomography(
         here, there, cv2.USAC_MAGSAC, ransacReprojThreshold=outlier_px, maxIters=5000,
         confidence=0.9999,
@@ -194,21 +193,36 @@ def _robust(here: Points, there: Pixels, outlier_px: float) -> tuple[Points, NDA
     used = np.zeros(len(here), dtype=np.bool_)
     for _ in range(ROUNDS):
         if found is None:
-            break
-        used = (
-            np.linalg.norm(_mapped(np.asarray(found, dtype=np.float64), here) - there, axis=1)
-            < outlier_px
-        )
+            return None, used
+        off = _mapped(np.asarray(found, dtype=np.float64), here) - there
+        used = np.linalg.norm(off, axis=1) < outlier_px
         if np.count_nonzero(used) < DOF:
-            break
+            return None, used
         found, _ = cv2.findHomography(here[used], there[used], 0)
-    if found is None or np.count_nonzero(used) < DOF:
-        raise Refused(
-            "the points fit no projector's picture: let nothing move or lie on the surface "
-            "meanwhile, and try again"
-        )
+    if found is None:
+        return None, used
     matrix = np.asarray(found, dtype=np.float64)
     return matrix / matrix[2, 2], used
+
+
+def _contradiction(known: _Points, used: NDArray[np.bool_], outlier_px: float) -> str:
+    """Say why the points make no picture."""
+    _, mirrored = _robust(known.surface, known.projector * (-1.0, 1.0), outlier_px)
+    if np.mean(mirrored) >= LEAST_INLIERS:
+        return (
+            "the projector's picture is mirrored: switch off rear projection or mirroring in its "
+            "menu, and try again"
+        )
+    outliers = _left_out(known, used)
+    named = ", ".join(outliers[:4]) + (", ..." if len(outliers) > 4 else "")
+    return (
+        f"{len(outliers)} of {len(used)} points contradict the others ({named}): let nothing "
+        f"move or lie on the surface meanwhile, and try again"
+    )
+
+
+def _left_out(known: _Points, used: NDArray[np.bool_]) -> tuple[str, ...]:
+    return tuple(name for name, good in zip(known.names, used, strict=True) if not good)
 
 
 def _mapped(matrix: Points, points: Points) -> Points:
@@ -230,15 +244,6 @@ def _require_spread(points: Points) -> None:
         )
 
 
-def _require_upright(matrix: Points, surface: Surface) -> None:
-    middle = matrix[2] @ (surface.width_mm / 2.0, surface.height_mm / 2.0, 1.0)
-    if np.linalg.det(matrix) * middle < 0.0:
-        raise Refused(
-            "the projector's picture is mirrored: switch off rear projection or mirroring in its "
-            "menu, and try again"
-        )
-
-
 def _require_close(error: float, worst: float, unit: str, remedy: str) -> None:
     if error > worst:
         raise Refused(
@@ -249,28 +254,17 @@ def _require_close(error: float, worst: float, unit: str, remedy: str) -> None:
 
 def _covered(matrix: Points, known: _Points, seen: Points, surface: Surface) -> float:
     """Share of the surface under all that was offered, over which points were seen."""
-    offered = _mapped(np.linalg.inv(matrix), known.offered)
-    square = _corners(surface.width_mm, surface.height_mm)
-    lit = common(offered, square)
-    share = hull_area(lit) / hull_area(square)
-    if share < LIT:
+    across, down = np.meshgrid(np.linspace(0.0, 1.0, 61), np.linspace(0.0, 1.0, 41))
+    shares = np.column_stack([across.ravel(), down.ravel()])
+    places = shares * (surface.width_mm, surface.height_mm)
+    lit = inside(places, _mapped(np.linalg.inv(matrix), known.offered))
+    if np.mean(lit) < LIT:
         raise Refused(
-            f"the projector lights only {100.0 * share:.0f} % of the surface: turn or move it "
-            f"until its picture lies on the surface, and try again"
+            f"the projector lights only {100.0 * np.mean(lit):.0f} % of the surface: turn or move "
+            f"it until its picture lies on the surface, and try again"
         )
-    return hull_area(common(seen, lit)) / hull_area(lit)
+    return float(np.mean(inside(places[lit], seen)))
 
 
 def _corners(width: float, height: float) -> Points:
     return np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
-
-
-def _steady(name: str, touches: Points) -> Points:
-    middle = np.median(touches, axis=0)
-    apart = float(np.linalg.norm(touches - middle, axis=1).max())
-    if apart > STEADY_MM:
-        raise Refused(
-            f"the touches of the {name} cross lie up to {apart:.0f} mm apart: touch it again, in "
-            f"its middle, with the same finger"
-        )
-    return np.asarray(middle, dtype=np.float64)

@@ -13,7 +13,7 @@ import numpy as np
 
 from halo_calibration.boards import SHEET, Picture
 from halo_calibration.errors import Refused
-from halo_calibration.flat import fit_rigid
+from halo_calibration.flat import fit_rigid, steady
 from halo_calibration.sighting import Seen, detect
 from halo_calibration.unseen import require_seen
 from halo_service.geometry.camera import Lens, Points
@@ -26,10 +26,6 @@ FLAT_MM = 1.5
 """Root mean square of a sheet that lies flat is below 0.5 mm at 1 m."""
 CORNERS = ("far left", "far right", "near right", "near left")
 """In the order in which they are touched."""
-TOUCHES = 3
-STEADY_MM = 6.0
-"""Three touches of one corner lie closer to their middle: the paper's touches err by 5.5 mm (6.2),
-most of it alike each time."""
 SQUARE_MM = 8.0
 """How far a touched corner may lie from the rectangle through all four: with 4 mm wanted, more
 is no touch's error but another corner's."""
@@ -109,7 +105,9 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> Laid:
     `touches`: four times (N, 2) mm in the frame of `plane`, three touches or more each.
     Raises `Refused` where they differ, are in another order, or are no rectangle.
     """
-    middles = np.array([_steady(name, at) for name, at in zip(CORNERS, touches, strict=True)])
+    middles = np.array(
+        [steady(f"the {name} corner", at) for name, at in zip(CORNERS, touches, strict=True)]
+    )
     complex_middles = middles @ (1.0, 1j)
     far_left, far_right, near_right, near_left = complex_middles
     across = ((far_right + near_right) - (far_left + near_left)) / 2.0
@@ -144,20 +142,6 @@ def check_size(width_mm: float, height_mm: float) -> None:
             f"a surface of {width_mm:.0f} x {height_mm:.0f} mm cannot be used: its sides may be "
             f"{low:.0f} to {high:.0f} mm long"
         )
-
-
-def _steady(name: str, touches: Points) -> Points:
-    """(2,) the middle of one corner's touches."""
-    if len(touches) < TOUCHES:
-        raise Refused(f"the {name} corner was touched {len(touches)} times: touch it {TOUCHES}")
-    middle = np.median(touches, axis=0)
-    apart = float(np.linalg.norm(touches - middle, axis=1).max())
-    if apart > STEADY_MM:
-        raise Refused(
-            f"the touches of the {name} corner lie up to {apart:.0f} mm apart: touch it again, "
-            f"with the same finger held the same way each time"
-        )
-    return np.asarray(touches.mean(axis=0), dtype=np.float64)
 
 
 def _rms(off: Points) -> float:

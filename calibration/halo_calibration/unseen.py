@@ -74,12 +74,12 @@ def _hidden(seen: Seen, board: Board) -> str:
     every = len(seen.missing) + len(set(seen.numbers))
     return (
         f"only {every - len(seen.missing)} of the {board.name}'s {every} marks are seen, and those "
-        f"{hidden_at(seen, board)} are hidden: take away what covers them, or move the camera so "
+        f"{_hidden_at(seen, board)} are hidden: take away what covers them, or move the camera so "
         f"that it sees them all, and try again"
     )
 
 
-def hidden_at(seen: Seen, board: Board) -> str:
+def _hidden_at(seen: Seen, board: Board) -> str:
     """Say where on the board the missing marks lie, as one reads it."""
     if isinstance(board, Printed):
         corners = np.concatenate([board.corners(marker) for marker in board.middles_mm])
@@ -88,7 +88,7 @@ def hidden_at(seen: Seen, board: Board) -> str:
         corners, missing = board.points_px, board.points_px[list(seen.missing)]
     low, high = corners.min(axis=0), corners.max(axis=0)
     x, y = (missing.mean(axis=0) - low) / (high - low)
-    return place(float(x), float(y))
+    return place(float(x), float(y), rows=("upper", "", "lower"))
 
 
 def _soft(grey: Picture) -> bool:

@@ -14,11 +14,12 @@ from halo_calibration import place_steps
 from halo_calibration.boards import SHEET, Board, Printed
 from halo_calibration.dwell import Place, dwells_for
 from halo_calibration.errors import Refused
+from halo_calibration.flat import TOUCHES, steady
 from halo_calibration.guided import READY_S, Cue, Guided
 from halo_calibration.place_steps import sheet_view
 from halo_calibration.sighting import detect
 from halo_calibration.steps import Change
-from halo_calibration.surface_solver import CORNERS, STEADY_MM, TOUCHES
+from halo_calibration.surface_solver import CORNERS
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Frame
@@ -149,10 +150,4 @@ def _require_alike(places: Sequence[Place]) -> None:
             f"view, rest the stretched finger for half a second, lift it by a hand's width, and "
             f"touch again"
         )
-    where = np.array(places)
-    apart = float(np.hypot(*(where - np.median(where, axis=0)).T).max())
-    if apart > STEADY_MM:
-        raise Refused(
-            f"the {TOUCHES} touches lie up to {apart:.0f} mm apart: touch the same mark each "
-            f"time, with the finger held the same way"
-        )
+    steady("the mark", np.array(places))

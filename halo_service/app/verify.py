@@ -35,6 +35,7 @@ from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.beside import TrackerBeside
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.lockstep import replay
+from halo_service.runtime.method import OURS
 from halo_service.runtime.vitals import Vitals
 from halo_service.sensing import State, start
 from halo_service.sources import Source
@@ -130,7 +131,7 @@ def _follow(
     """Let the virtual user touch one crossing after the other; time is their own."""
     grid, asked, since_us = verification.grid, None, 0
     with closing(Eyes(user.camera, state.profile, replace(settings.tracking, max_hands=1))) as eyes:
-        for told in replay(user, eyes.look, state):
+        for told in replay(user, eyes.look, OURS, state):
             _take(verification, told)
             late = told.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
             if late and asked is not None and grid.next == asked:

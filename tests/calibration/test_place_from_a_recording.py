@@ -15,13 +15,13 @@ from halo_service.app.virtual_user import MARKER_AT, SHEET_AT, VirtualUser
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
-from halo_service.virtual.camera import FPS
+from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.room import Room, draw_room
 
 pytestmark = pytest.mark.slow
 
-FRAMES = 20
-"""Of each board: two thirds of a second."""
+FRAMES = 12
+"""Of each board: 0.4 seconds."""
 
 
 class Take:
@@ -54,8 +54,7 @@ def room() -> Room:
 def profile(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Profile:
     folder = tmp_path_factory.mktemp("place")
     recording = folder / "place.mkv"
-    camera = VirtualUser(room).camera
-    with Recorder(recording, camera, fps=FPS, colour=True) as recorder:
+    with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
         take = Take(room, recorder)
         take.step(Cue("background", ""), 60, "background")
         take.step(Cue("sheet", "", board=SHEET), FRAMES, "surface", by="markers", width_mm=280.0)

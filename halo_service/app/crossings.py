@@ -61,13 +61,25 @@ class Summary:
 class Grid:
     """Crossings over a surface, and what has landed on them."""
 
-    def __init__(self, width_mm: float, height_mm: float) -> None:
-        self._xs = _spread(width_mm)
-        self._ys = _spread(height_mm)
+    def __init__(
+        self,
+        width_mm: float,
+        height_mm: float,
+        picture_from_surface: Places,
+        size_px: tuple[int, int],
+    ) -> None:
+        """`picture_from_surface`: (3, 3) homography, mm -> px of a picture of `size_px`; crossings
+        that do not lie in it are left out."""
+        self._matrix, self._size_px = picture_from_surface, size_px
+        self._xs, self._ys = _spread(width_mm), _spread(height_mm)
         x, y = np.meshgrid(self._xs, self._ys)
-        self.places: Places = np.column_stack([x.ravel(), y.ravel()])
+        every = np.column_stack([x.ravel(), y.ravel()])
+        px = _pixels(picture_from_surface, every)
+        self.places: Places = every[((px >= 0.0) & (px < size_px)).all(axis=1)]
         """(N, 2), row by row from the far left."""
         self.landings: list[Landing] = []
+        self.given_up: set[int] = set()
+        """Crossings that are asked for no more."""
 
     def land(self, x_mm: float, y_mm: float) -> Landing | None:
         """Count a touch for the crossing it is nearest to; None where there is none near."""
@@ -81,9 +93,9 @@ class Grid:
 
     @property
     def next(self) -> int | None:
-        """The first crossing that nobody has touched; None when all have been."""
-        touched = {landing.crossing for landing in self.landings}
-        return next((n for n in range(len(self.places)) if n not in touched), None)
+        """The first crossing that is yet to be touched; None when there is none."""
+        done = {landing.crossing for landing in self.landings} | self.given_up
+        return next((n for n in range(len(self.places)) if n not in done), None)
 
     def summary(self) -> Summary | None:
         """Return the figures; None before the first touch."""
@@ -105,25 +117,25 @@ class Grid:
 
     def name(self, crossing: int) -> str:
         """Say where a crossing is, in words and mm."""
-        row, column = divmod(crossing, len(self._xs))
         x, y = self.places[crossing]
+        row, column = np.argmin(np.abs(self._ys - y)), np.argmin(np.abs(self._xs - x))
         return f"row {row + 1} from the far edge, column {column + 1} ({x:.0f}, {y:.0f} mm)"
 
-    def picture(
-        self, picture_from_surface: Places, size_px: tuple[int, int], fingers: Sequence[Landed]
-    ) -> Picture:
-        """Draw the grid, a dot under each finger and what has landed; (height, width, 3) BGR.
+    def pixel(self, crossing: int) -> tuple[float, float]:
+        """Where a crossing is in the picture."""
+        x, y = _pixels(self._matrix, self.places[crossing][None])[0]
+        return float(x), float(y)
 
-        `picture_from_surface`: (3, 3) homography, mm -> px of a picture of `size_px`.
-        """
-        canvas = np.zeros((size_px[1], size_px[0], 3), np.uint8)
+    def picture(self, fingers: Sequence[Finger]) -> Picture:
+        """Draw the grid, a dot under each finger and what has landed; (height, width, 3) BGR."""
+        picture_from_surface = self._matrix
+        canvas = np.zeros((self._size_px[1], self._size_px[0], 3), np.uint8)
         for start, end in self._lines():
             a, b = _pixels(picture_from_surface, np.array([start, end]))
             cv2.line(canvas, _fine(a), _fine(b), GRID, 2, cv2.LINE_AA, SHIFT)
         per_mm = _scale(picture_from_surface, self.places.mean(axis=0))
         if self.next is not None:
-            middle = _pixels(picture_from_surface, self.places[self.next][None])[0]
-            _ring(canvas, middle, 8.0 * per_mm, NEXT)
+            _ring(canvas, np.array(self.pixel(self.next)), 8.0 * per_mm, NEXT)
         for crossing, landing in {each.crossing: each for each in self.landings}.items():
             at = self.places[crossing] + (3.0, -3.0)  # beside the crossing, clear of its lines
             text = f"{landing.off_mm:.1f}"
@@ -142,8 +154,8 @@ class Grid:
 
 
 @dataclass(frozen=True, slots=True)
-class Landed:
-    """A finger as it is drawn."""
+class Finger:
+    """A finger as it is drawn, mm on the surface."""
 
     x_mm: float
     y_mm: float

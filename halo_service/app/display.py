@@ -26,7 +26,9 @@ TICK_S = 1.0 / 60.0
 
 
 class Display:
-    """A window, or a whole display. Call `close()` when done, or use it in a `with`."""
+    """A window, or a whole display: a `Screen`. Call `close()` when done, or use it in a `with`."""
+
+    changes = True
 
     def __init__(self, number: int = 0, *, full_screen: bool = True) -> None:
         """Open it and wait until it is there. Raises `UserError` where it cannot be had."""

@@ -8,7 +8,6 @@ in the present depth frame.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,9 @@ from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.ridge import angles
-from halo_service.values import Depth, Finger, Fingertip, Hand, Side, Tracked
+from halo_service.sensing.sightings import Pixel, Sighting
+from halo_service.values import Depth, Fingertip
 
-Pixel = tuple[float, float]
-
-INDEX_PIP, INDEX_DISTAL, INDEX_TIP, WRIST = 6, 7, 8, 0
-"""MediaPipe's landmark numbers."""
 PAD_BACK_MM = 7.0
 """The pad's lowest point lies this far behind the silhouette's end (chosen: half a fingertip)."""
 ROI_PX = 22
@@ -42,36 +38,6 @@ STEEP_CONFIDENCE = 0.5
 """Factor for pitches outside of it."""
 TYPICAL_PITCH_DEG = 45.0
 """Assumed where the finger's depth is unmeasured: the paper's wedge (paper 4.3.5)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Sighting:
-    """An extended index finger in the tracker's frame."""
-
-    time_us: int
-    side: Side
-    finger: Finger
-    tip_px: Pixel
-    distal_px: Pixel
-    confidence: float
-
-
-def sightings(tracked: Tracked | None) -> tuple[Sighting, ...]:
-    """Return the extended index fingers of the tracked hands."""
-    if tracked is None:
-        return ()
-    return tuple(
-        Sighting(
-            tracked.time_us,
-            hand.side,
-            Finger.INDEX,
-            _pixel(hand.landmarks_px[INDEX_TIP]),
-            _pixel(hand.landmarks_px[INDEX_DISTAL]),
-            hand.confidence,
-        )
-        for hand in tracked.hands
-        if _extended(hand)
-    )
 
 
 def locate(
@@ -144,12 +110,6 @@ def silhouette_end(hand: NDArray[np.bool_], guess: Pixel, direction: Pixel) -> P
     return tip
 
 
-def _extended(hand: Hand) -> bool:
-    """Say whether the index finger points: the tip is farther from the wrist than the knuckle."""
-    wrist, knuckle, tip = (hand.landmarks_px[i] for i in (WRIST, INDEX_PIP, INDEX_TIP))
-    return bool(np.linalg.norm(tip - wrist) > np.linalg.norm(knuckle - wrist))
-
-
 def _pad(
     tip: Pixel,
     direction: Pixel,
@@ -188,10 +148,6 @@ def _on_surface(
     ray = camera.depth.rays(np.array([px]))
     depth_mm = float(measured[(measured.size - 1) // 2])
     return np.asarray(surface.from_camera(ray * depth_mm)[0])
-
-
-def _pixel(point: NDArray[np.float64]) -> Pixel:
-    return float(point[0]), float(point[1])
 
 
 def _unit(start: Pixel, end: Pixel) -> Pixel:

@@ -57,7 +57,8 @@ def replay(options: argparse.Namespace) -> int:
 
     settings = load(options.config)
     profile = options.profile or settings.profile
-    count = sense(options.recording, options.jsonl, replace(settings, profile=profile))
+    settings = replace(settings, profile=profile)
+    count = sense(options.recording, options.jsonl, settings, options.method)
     print(f"halo: {count} frames", file=sys.stderr)
     return 0
 
@@ -116,6 +117,35 @@ def calibrate(options: argparse.Namespace) -> int:
         pilot(settings, options.rounds, options.round_s)
         return 0
     teach(settings, Wish(options.step, options.script, stated, side, options.base))
+    return 0
+
+
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the study or judge a recording, and print what came of it."""
+    from halo_service.app import evaluate as bench
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    settings = replace(settings, profile=options.profile or settings.profile)
+    if options.recording is not None:
+        if options.truth is None:
+            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
+        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
+        results = bench.evaluate_recording(settings, recorded)
+    else:
+        asked = bench.Asked(
+            options.quick,
+            options.method,
+            options.users,
+            options.materials,
+            options.tasks,
+            options.labels,
+            options.keep,
+            options.kept_only,
+            options.jobs,
+        )
+        results = bench.evaluate(settings, asked)
+    bench.tell(results, options.csv)
     return 0
 
 

@@ -84,3 +84,13 @@ def test_the_real_recording_is_one_frame_without_pointers(
     (line,) = [json.loads(line) for line in out.read_text().splitlines()]
     assert line["time_us"] == 463945
     assert line["pointers"] == []
+
+
+def test_an_unknown_method_is_answered_with_the_known_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.jsonl"
+    code = main(["replay", str(tmp_path / "any.mkv"), "--jsonl", str(out), "--method", "magic"])
+    assert code == 2
+    assert "unknown method 'magic'; known: ours" in capsys.readouterr().err
+    assert not out.exists()

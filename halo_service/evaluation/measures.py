@@ -144,12 +144,15 @@ def worst_family(kind: str, unit: str, most: float) -> Measure:
 
 
 def wrong_keys(results: Sequence[Result]) -> Measured | None:
-    """Keystrokes told as another key."""
+    """Keystrokes told as another key; who misses as many has not told the others rightly."""
     keys = sum((part.keys for part in pick.tasks(results, *pick.TYPING, pick.RECORDING)), Keys())
     if not keys.struck:
         return None
-    wrong = keys.wrong / keys.struck
-    return Measured(f"{100 * wrong:.1f} % of {keys.struck}", wrong <= WRONG_KEYS)
+    wrong, missed = keys.wrong / keys.struck, keys.missed / keys.struck
+    words = f"{100 * wrong:.1f} % of {keys.struck}"
+    if keys.missed:
+        words += f" ({keys.missed} missed)"
+    return Measured(words, max(wrong, missed) <= WRONG_KEYS)
 
 
 def awpm(results: Sequence[Result]) -> Measured | None:
@@ -186,8 +189,9 @@ def velocity(results: Sequence[Result]) -> Measured | None:
 def _speeds(speeds: Sequence[Speed]) -> Measured | None:
     if not speeds:
         return None
-    off = 100.0 * relative_error(speeds)
-    return Measured(f"{off:.0f} % / {rank_correlation(speeds):.2f}")
+    rank = rank_correlation(speeds)
+    ranked = "-" if np.isnan(rank) else f"{rank:.2f}"
+    return Measured(f"{100.0 * relative_error(speeds):.0f} % / {ranked}")
 
 
 def palms(results: Sequence[Result]) -> Measured | None:

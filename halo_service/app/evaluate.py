@@ -72,18 +72,21 @@ class Recorded:
     """A recording to judge."""
 
     recording: Path
-    truth: Path
+    truth: Path | None
+    """None: nobody knows it, and the script says what was asked of the person."""
     script: Path | None
     methods: tuple[str, ...]
 
 
 def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
-    """Judge a recording against its truth; raises `UserError` where one of both is none."""
+    """Judge a recording by its truth or its script; raises `UserError` where one is none."""
+    if asked.truth is None and asked.script is None:
+        raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
     methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
-    truth = read_lines(asked.truth, "truth")
+    truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)

@@ -177,8 +177,6 @@ def evaluate(options: argparse.Namespace) -> int:
                 options.jobs,
             )
             tell(bench.evaluate(settings, asked))
-        elif options.truth is None:
-            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
         else:
             recorded = bench.Recorded(
                 options.recording, options.truth, options.script, options.method

@@ -11,6 +11,7 @@ from halo_service.errors import UserError
 from halo_service.evaluation.calibrated import profile_hash, settings_hash
 from halo_service.evaluation.kept import Line
 from halo_service.evaluation.result import Result, Subject
+from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.take import score
 from halo_service.evaluation.scores.truth import read_truth
 from halo_service.evaluation.together import Look, Once, captures_of, together
@@ -29,13 +30,16 @@ def judged(
     task: str,
     method: str,
     told: Sequence[TouchFrame],
-    truth: Sequence[Line],
+    truth: Sequence[Line] | None,
     script: Sequence[Line],
     profile: Profile,
     settings: SensingSettings,
 ) -> Result:
-    """Score what a method published of one take."""
-    scores = score(told, truth, script, profile.surface)
+    """Score what a method published of one take; `truth` None: by what the script asked for."""
+    if truth is None:
+        scores = score_asked(told, script, profile.surface)
+    else:
+        scores = score(told, truth, script, profile.surface)
     hashes = profile_hash(profile), settings_hash(settings)
     return Result(subject, task, method, scores, "", *hashes)
 
@@ -47,14 +51,14 @@ def recording_judged(
     methods: Sequence[Method[Any]],
     profile: Profile,
     settings: SensingSettings,
-    truth: Sequence[Line],
+    truth: Sequence[Line] | None,
     script: Sequence[Line],
 ) -> tuple[Result, ...]:
     """Run methods over a recording with one and the same profile, and judge them.
 
     Raises `UserError` where the recording breaks off, or truth or script is none.
     """
-    _require_truth(truth, script, profile)
+    _require_sense(truth, script, profile)
     profiles = dict.fromkeys((method.name for method in methods), profile)
     told = together(captures_of(source), source.camera, Once(look), methods, profiles, settings)
     subject = Subject(name)
@@ -64,12 +68,14 @@ def recording_judged(
     )
 
 
-def _require_truth(truth: Sequence[Line], script: Sequence[Line], profile: Profile) -> None:
+def _require_sense(truth: Sequence[Line] | None, script: Sequence[Line], profile: Profile) -> None:
+    """Raise `UserError` for a truth or a script that is none, before a recording is sensed."""
     try:
-        known = read_truth(truth, profile.surface)
-        times = [float(step["to_s"]) - float(step["from_s"]) for step in script]
-        if not known.frames or any(time <= 0.0 for time in times):
-            raise ValueError("no frame is told of, or a step ends before it begins")
+        if truth is not None and not read_truth(truth, profile.surface).frames:
+            raise ValueError("it tells of no frame")
+        for step in script:
+            if not step["from_s"] < step["to_s"]:
+                raise ValueError(f"the step {step['step']!r} ends before it begins")
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise UserError(
             f"the truth or script cannot be understood ({error!r}); give the files that "

@@ -35,9 +35,9 @@ from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.naming import wish
 
-DRAWN_MS, SENSED_MS = 30.0, 3.0
-"""What a frame costs to draw and track once, and to sense for each method: for the progress bar,
-measured on a slow core."""
+DRAWN_MS, SENSED_MS, CALIBRATED_S = 30.0, 2.0, 9.0
+"""What a frame costs to draw and track once, a frame to sense and a person to calibrate for each
+method: for the progress bar, measured on a slow core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,9 +136,11 @@ def _conduct(
 
 
 def _work_s(order: Order, person: Person, task: Task) -> float:
-    methods = 1 if task == CALIBRATION else len(order.methods)
-    frame_ms = methods * SENSED_MS + (0.0 if order.studio.has(person, task) else DRAWN_MS)
-    return task.seconds * FPS * frame_ms / 1e3
+    frames, methods = task.seconds * FPS, len(order.methods)
+    drawn_s = 0.0 if order.studio.has(person, task) else frames * DRAWN_MS / 1e3
+    if task == CALIBRATION:
+        return drawn_s + methods * CALIBRATED_S
+    return drawn_s + methods * frames * SENSED_MS / 1e3
 
 
 def _prepare(order: Order, person: Person) -> Calibrated:

@@ -23,7 +23,7 @@ from halo_service.virtual.naming import wish
         (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover, pointing-20"),
         (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
         (["--kept-only"], "no kept takes of these users and materials"),
-        (["take.mkv"], "needs its truth: --truth"),
+        (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),
         (["take.mkv", "--truth", "t.jsonl"], "name the profile that goes with the recording"),
         (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
     ],
@@ -85,6 +85,19 @@ def test_a_recording_is_judged_against_its_truth(
     assert figures["recall"] >= 0.5  # that there is something to judge; how good is the study's
     assert "The paper's figures and ours" in capsys.readouterr().out
     assert (tmp_path / "report" / "index.html").read_text().startswith("<!doctype html>")
+
+
+@pytest.mark.slow
+def test_where_nobody_knows_the_truth_the_script_says_what_was_asked_for(
+    recorded: Path, tmp_path: Path
+) -> None:
+    script = [{"step": "target", "from_s": 3.5, "to_s": 9.0, "target_mm": [150.0, 100.0]}]
+    (tmp_path / "script.json").write_text(json.dumps(script))
+    files = ("--script", str(tmp_path / "script.json"), "--csv", str(tmp_path / "figures.csv"))
+    assert judge(recorded, *files) == 0
+    with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
+        figures = {row["figure"]: row["value"] for row in csv.DictReader(file)}
+    assert figures["touches"] == "1"
 
 
 @pytest.mark.slow

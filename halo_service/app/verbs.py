@@ -160,11 +160,17 @@ def evaluate(options: argparse.Namespace) -> int:
     from halo_service.app import evaluate as bench
     from halo_service.app.config import load
     from halo_service.app.evaluate_told import Telling, telling
+    from halo_service.app.first_light import first_light
 
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
     with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
-        if options.recording is None:
+        if options.live is not None:
+            source = replace(settings.source, name=options.source or settings.source.name)
+            recording, script = first_light(replace(settings, source=source), options.live)
+            recorded = bench.Recorded(recording, None, script, options.method)
+            tell(bench.evaluate_recording(settings, recorded))
+        elif options.recording is None:
             asked = bench.Asked(
                 options.quick,
                 options.method,

@@ -56,6 +56,9 @@ def parser() -> argparse.ArgumentParser:
         "calibrate", parents=[common], help="teach the service a place and a finger"
     )
     _calibrate_options(calibration)
+    _evaluate_options(
+        commands.add_parser("evaluate", parents=[common], help="how good the sensing is")
+    )
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
@@ -146,6 +149,39 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
     verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
     verb.set_defaults(run=verbs.calibrate)
+
+
+def _evaluate_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="judge this one")
+    verb.add_argument("--truth", type=Path, metavar="T.jsonl", help="what was true of it")
+    verb.add_argument("--script", type=Path, metavar="S.json", help="the levels held in it")
+    verb.add_argument("--quick", action="store_true", help="a small part of it, in 5 minutes")
+    verb.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
+    verb.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")
+    verb.add_argument("--materials", type=_names, default=(), metavar="M,...", help="paper,...")
+    verb.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
+    verb.add_argument("--labels", type=Path, metavar="DIR", help="real people's touches to play")
+    verb.add_argument("--keep", type=Path, metavar="DIR", help="where takes are kept")
+    verb.add_argument("--kept-only", action="store_true", help="draw nothing: what is kept there")
+    verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
+    verb.add_argument("--csv", metavar="FILE", help="every figure of every person")
+    verb.set_defaults(run=verbs.evaluate)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(part for part in text.split(",") if part)
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    if not all(part.isdecimal() for part in _names(text)):
+        raise argparse.ArgumentTypeError(f"{text!r} must be whole numbers with commas between")
+    return tuple(int(part) for part in _names(text))
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number from 1 up")
+    return int(text)
 
 
 def _profile_options(verb: argparse.ArgumentParser) -> None:

@@ -120,6 +120,35 @@ def calibrate(options: argparse.Namespace) -> int:
     return 0
 
 
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the study or judge a recording, and print what came of it."""
+    from halo_service.app import evaluate as bench
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    settings = replace(settings, profile=options.profile or settings.profile)
+    if options.recording is not None:
+        if options.truth is None:
+            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
+        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
+        results = bench.evaluate_recording(settings, recorded)
+    else:
+        asked = bench.Asked(
+            options.quick,
+            options.method,
+            options.users,
+            options.materials,
+            options.tasks,
+            options.labels,
+            options.keep,
+            options.kept_only,
+            options.jobs,
+        )
+        results = bench.evaluate(settings, asked)
+    bench.tell(results, options.csv)
+    return 0
+
+
 def profile(options: argparse.Namespace) -> int:
     """Look after the profiles."""
     from halo_service.app import profiles

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-DEPARTURE = 0.3
+DEPARTURE = 0.1
 """Of the level (0 subtle, 1 touch) from its baseline."""
-RISE = 0.1
+RISE = 0.05
 """Of the level from one frame to the next: the derivative's "relatively large magnitude"."""
 BASELINE_MS = 400.0
 """Time constant of the exponential smoothing."""

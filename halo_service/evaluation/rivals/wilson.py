@@ -38,16 +38,16 @@ from halo_service.sensing import SensingSettings
 from halo_service.sensing.background import Drift, follow_drift
 from halo_service.values import Frame, Pointer, TouchFrame, Tracked
 
-NEAR_MM = 14.0
+NEAR_MM = 10.0
 """A finger's upper side is no higher while its pad touches."""
-FAR_MM = 3.0
+FAR_MM = 2.0
 FAR_SIGMAS = 4.0
 """What is lower than either may be the surface's own noise."""
-SMOOTH_PX = 5
+SMOOTH_PX = 3
 """Side of the box over which the band is averaged."""
-ENTER_PX, LEAVE_PX = 25, 15
+ENTER_PX, LEAVE_PX = 14, 7
 """A patch of so many pixels begins a touch, and of so many keeps it."""
-MISSED_FRAMES = 1
+MISSED_FRAMES = 2
 """A touch outlives so many frames without its patch."""
 
 

@@ -11,7 +11,7 @@ different part of the halo, so levels, heights and pressures are off there.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from halo_service.evaluation.rivals.fingers import (
@@ -28,7 +28,7 @@ from halo_service.evaluation.rivals.paper_detector import Detector, detect
 from halo_service.evaluation.rivals.paper_learn import learn
 from halo_service.evaluation.rivals.paper_signal import Reading, corrected, read
 from halo_service.geometry.surface import Surface
-from halo_service.profile import Profile, TouchStates
+from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.runtime.method import Method
 from halo_service.sensing import SensingSettings
 from halo_service.sensing.states import interpolate
@@ -58,6 +58,8 @@ class State:
 
     profile: Profile | None
     settings: SensingSettings
+    correct: Callable[[Reading, Correction | None], float] = corrected
+    """Stage 4.3.4, by the profile's grid; who times the paper's order asks the regressor itself."""
     waiting: tuple[Frame, ...] = ()
     """Frames whose hands may not be known yet, oldest first."""
     sensed_us: int = -1
@@ -109,7 +111,11 @@ def sense(
     `usual`: the four states of a hand that has none of its own.
     """
     readings = [read(frame.depth, hand, profile) for hand in hands]
-    spots = [_spot(*each, profile, usual) for each in zip(hands, readings, strict=True)]
+    signals = [state.correct(reading, profile.correction) for reading in readings]
+    spots = [
+        _spot(*each, profile.states(each[0].side) or usual)
+        for each in zip(hands, readings, signals, strict=True)
+    ]
     sensed: dict[int, Followed | None] = {}
     for known, spot, reading in zip(recognised(state.told, spots), spots, readings, strict=True):
         past = state.fingers.get(known.id)
@@ -123,9 +129,7 @@ def sense(
     return sensed
 
 
-def _spot(hand: Hand, reading: Reading, profile: Profile, usual: TouchStates) -> Spot:
-    states = profile.states(hand.side) or usual
-    signal = corrected(reading, profile.correction)
+def _spot(hand: Hand, reading: Reading, signal: float, states: TouchStates) -> Spot:
     level = interpolate(signal, states.subtle.signal, states.touch.signal, 0.0, 1.0)
     return Spot(
         place_mm=reading.place_mm,

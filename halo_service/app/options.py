@@ -56,6 +56,11 @@ def parser() -> argparse.ArgumentParser:
         "calibrate", parents=[common], help="teach the service a place and a finger"
     )
     _calibrate_options(calibration)
+    _verify_options(
+        commands.add_parser(
+            "verify", parents=[common], help="touch a projected grid, and see how far off it is"
+        )
+    )
     _evaluate_options(
         commands.add_parser("evaluate", parents=[common], help="how good the sensing is")
     )
@@ -137,9 +142,10 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "step",
         nargs="?",
-        choices=("background", "surface", "touch", "sweep", "pilot"),
+        choices=("background", "surface", "touch", "sweep", "projector", "anchor", "pilot"),
         metavar="STEP",
-        help="background, surface, touch, sweep, or pilot; without one all that are missing",
+        help="background, surface, touch, sweep; projector, anchor, pilot; without one all of the "
+        "first four that are missing",
     )
     verb.add_argument("--source", metavar="S", help="as for serve")
     verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
@@ -151,6 +157,7 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
     verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
     verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
+    _place_options(verb)
     verb.set_defaults(run=verbs.calibrate)
 
 
@@ -166,6 +173,46 @@ def _bench_options(verb: argparse.ArgumentParser) -> None:
     verb.set_defaults(run=verbs.bench)
 
 
+def _place_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--by", metavar="WAY", help="surface: view, markers, touch; projector: markers, gray, touch"
+    )
+    verb.add_argument("--width-mm", type=float, default=300.0, metavar="MM", help="of the surface")
+    verb.add_argument("--height-mm", type=float, default=200.0, metavar="MM", help="of the surface")
+    _screen_options(verb)
+    verb.add_argument(
+        "--picture", type=Path, metavar="PNG", help="write the projector's picture instead"
+    )
+    verb.add_argument("--size-px", metavar="WxH", help="of that picture (default: 1920x1080)")
+    verb.add_argument("--marker", type=int, metavar="ID", help="the anchor's (default: 0)")
+    verb.add_argument("--size-mm", type=float, metavar="MM", help="side of its black square")
+    verb.add_argument("--family", metavar="F", help="apriltag-36h11 (default) or aruco-4x4")
+
+
+def _screen_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--display", type=int, default=0, metavar="N", help="which is the projector, from 0"
+    )
+    verb.add_argument("--window", action="store_true", help="a window instead of a whole display")
+
+
+def _verify_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument(
+        "--from",
+        dest="service",
+        nargs="?",
+        const="osc://127.0.0.1:9000",
+        metavar="URL",
+        help="the fingers of a running service (default: osc://127.0.0.1:9000), not a source's",
+    )
+    _screen_options(verb)
+    verb.add_argument(
+        "--within-mm", type=float, default=5.0, metavar="MM", help="what 95 %% must keep to pass"
+    )
+    verb.set_defaults(run=verbs.verify)
+
+
 def _evaluate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="judge this one")
     verb.add_argument("--truth", type=Path, metavar="T.jsonl", help="what was true of it")
@@ -179,7 +226,10 @@ def _evaluate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--keep", type=Path, metavar="DIR", help="where takes are kept")
     verb.add_argument("--kept-only", action="store_true", help="draw nothing: what is kept there")
     verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
-    verb.add_argument("--csv", metavar="FILE", help="every figure of every person")
+    verb.add_argument("--each", action="store_true", help="a line a person, task and method")
+    verb.add_argument("--markdown", action="store_true", help="tables for a page")
+    verb.add_argument("--report", type=Path, metavar="DIR", help="a page with the plots")
+    verb.add_argument("--csv", metavar="FILE", help="every figure of every person; - for stdout")
     verb.set_defaults(run=verbs.evaluate)
 
 

@@ -8,8 +8,12 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from halo_service.errors import UserError
+
+if TYPE_CHECKING:
+    from halo_service.app.calibrate_place import PlaceWish
 
 
 def serve(options: argparse.Namespace) -> int:
@@ -116,8 +120,39 @@ def calibrate(options: argparse.Namespace) -> int:
     if options.step == "pilot":
         pilot(settings, options.rounds, options.round_s)
         return 0
-    teach(settings, Wish(options.step, options.script, stated, side, options.base))
+    wish = Wish(options.step, options.script, stated, side, options.base, _places(options))
+    teach(settings, wish)
     return 0
+
+
+def _places(options: argparse.Namespace) -> PlaceWish:
+    """Say how surface, projector and anchor shall be found."""
+    from halo_calibration.boards import ANCHOR, anchor
+    from halo_service.app.calibrate_place import PlaceWish
+    from halo_service.app.screens import FILE_PX, ScreenWish, size_of
+
+    marker = anchor(
+        ANCHOR.family.name if options.family is None else options.family,
+        next(iter(ANCHOR.middles_mm)) if options.marker is None else options.marker,
+        ANCHOR.size_mm if options.size_mm is None else options.size_mm,
+    )
+    size_px = FILE_PX if options.size_px is None else size_of(options.size_px)
+    screen = ScreenWish(options.display, options.window, options.picture, size_px)
+    return PlaceWish(options.by, options.width_mm, options.height_mm, screen, marker)
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Exit code 0: all crossings were touched, and nearly; 1: they were not."""
+    from halo_service.app.config import load
+    from halo_service.app.screens import ScreenWish
+    from halo_service.app.verify import VerifyWish
+    from halo_service.app.verify import verify as look
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    screen = ScreenWish(options.display, options.window)
+    return look(settings, VerifyWish(screen, options.service, options.within_mm))
 
 
 def evaluate(options: argparse.Namespace) -> int:
@@ -145,7 +180,7 @@ def evaluate(options: argparse.Namespace) -> int:
             options.jobs,
         )
         results = bench.evaluate(settings, asked)
-    bench.tell(results, options.csv)
+    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown, options.report))
     return 0
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -10,14 +12,17 @@ from halo_calibration.background import solve_background
 from halo_calibration.base import choose_base
 from halo_calibration.plane import solve_plane, surface_from_view
 from halo_service.app.bench import Service
+from halo_service.app.cli import main
 from halo_service.app.config import Settings, TrackingSettings
 from halo_service.evaluation.latency.blocks import Block, run
 from halo_service.evaluation.latency.drawn import Take, draw
 from halo_service.evaluation.latency.handed import Player, handed, unpacked
 from halo_service.evaluation.latency.listener import Listener
-from halo_service.evaluation.latency.regressor import regressor_for
+from halo_service.evaluation.latency.regressor import Regressor, regressor_for
 from halo_service.evaluation.latency.stopwatch import Stopwatch
+from halo_service.outputs.recorder import Recorder
 from halo_service.profile import HeldState, Profile, TouchStates
+from halo_service.profile.store import save
 from halo_service.sources import EndOfSource
 from halo_service.virtual.naming import wish
 from halo_service.virtual.sensor import Sensor
@@ -54,9 +59,14 @@ def profile(take: Take) -> Profile:
 
 
 @pytest.fixture(scope="module")
-def blocks(take: Take, profile: Profile) -> list[Block]:
-    regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
-    assert regressor is not None
+def regressor(take: Take, profile: Profile) -> Regressor:
+    fitted = regressor_for(profile, choose_base("auto", take.camera.serial))
+    assert fitted is not None
+    return fitted
+
+
+@pytest.fixture(scope="module")
+def blocks(take: Take, profile: Profile, regressor: Regressor) -> list[Block]:
     settings = Settings(tracking=TrackingSettings(max_hands=1))
     with Listener() as listener:
         service = Service(take, profile, regressor, settings)
@@ -89,6 +99,12 @@ def test_every_packet_reached_the_client(blocks: list[Block]) -> None:
         assert block.heard.datagrams >= block.heard.frames
 
 
+def test_the_paper_s_order_finds_a_hand_and_asks_the_regressor_in_time(blocks: list[Block]) -> None:
+    for block in blocks:
+        asked = any("correct" in row.stages_ns for row in block.rows)
+        assert asked == (block.arrangement == "sequential")
+
+
 def test_each_frame_passed_every_stage_in_order(blocks: list[Block]) -> None:
     for block in blocks:
         for row in block.rows:
@@ -98,19 +114,6 @@ def test_each_frame_passed_every_stage_in_order(blocks: list[Block]) -> None:
             assert list(row.stages_ns) == wanted
             assert all(each >= 0 for each in row.stages_ns.values())
             assert row.latency_ns == sum(row.stages_ns.values())
-
-
-def test_the_paper_s_order_looks_for_hands_in_every_frame_and_finds_some(
-    take: Take, profile: Profile
-) -> None:
-    regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
-    assert regressor is not None
-    service = Service(take, profile, regressor, Settings(tracking=TrackingSettings(max_hands=1)))
-    sequential, close = service.sequential(Stopwatch())
-    told = [sequential.sensed(unpacked(each, take.camera)) for each in take.captures]
-    close()
-    assert [each.time_us for each in told] == [each.time_us for each in take.captures]
-    assert any(each.pointers for each in told)
 
 
 def test_frames_come_out_as_they_went_in(take: Take) -> None:
@@ -140,3 +143,30 @@ def test_a_late_reader_gets_the_newest_frame_and_what_it_missed_is_counted(take:
 def test_too_few_samples_are_no_regressor(profile: Profile) -> None:
     assert profile.correction is None
     assert regressor_for(profile, None) is None
+
+
+def test_a_recording_is_benched_with_its_profile_into_json(
+    take: Take, profile: Profile, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Recorder(tmp_path / "x.mkv", take.camera, fps=30, colour=True) as recorder:
+        for each in take.captures:
+            recorder.write(unpacked(each, take.camera))
+    save(profile, tmp_path / "desk")
+    asked = ("--hands", "1", "--seconds", "9", "--profile", str(tmp_path / "desk"))
+    files = ("--source", f"recording:{tmp_path / 'x.mkv'}", "--json", str(tmp_path / "x.json"))
+    assert main(["bench", *asked, *files]) == 0
+    said = json.loads((tmp_path / "x.json").read_text())
+    assert set(said) == {"halo_bench", "protocol", "machine", "cases"}
+    (case,) = said["cases"]
+    assert (case["hands"], case["contacts"]) == (1, None)  # nobody knows a recording's truth
+    for name in ("ours", "sequential"):
+        figures = case[name]
+        assert figures["frames"] + figures["dropped"] == 2 * len(take.captures)
+        assert figures["heard"] == figures["frames"]
+        assert list(figures["stages"]) == STAGES[name]
+    assert [goal["name"] for goal in case["goals"]] == [
+        "received -> sent, median",
+        "received -> sent, p99",
+        "sequential order / ours, median",
+    ]
+    assert "one hand: recording:" in capsys.readouterr().out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -140,6 +140,7 @@ def test_each_goal_says_whether_it_is_reached(
     )
     assert [goal.passed for goal in goals(summed)] == passed
     told = "\n".join(table(summed))
+    assert "other programs" not in told  # 0.5 ms a frame are nothing
     assert told.count("pass") == sum(passed)
     assert told.count("falls short") == len(passed) - sum(passed)
 
@@ -164,3 +165,22 @@ def test_a_case_is_plain_enough_for_json(profile: Profile, camera: Camera) -> No
             "path_cpu_a_frame", "core_wait_a_frame",
         }  # fmt: skip
         assert set(each["latency"]) == {"median", "p95", "p99", "most"}
+
+
+def test_a_disturbed_run_says_so(profile: Profile, camera: Camera) -> None:
+    ours = block("ours", [9.0] * 6)
+    disturbed = replace(ours, spent=replace(ours.spent, core_wait_ms=6 * 4.2))
+    told = "\n".join(table(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
+    assert "kept our frames off the cores for 4.2 ms each" in told
+
+
+def test_the_table_names_each_stage_of_either_once(profile: Profile, camera: Camera) -> None:
+    stages = {"wait": MS, "sense": 2 * MS, "encode": MS, "send": MS}
+    rows = (Row(0, stages, ()),)
+    ours = replace(block("ours", [1.0]), rows=rows)
+    other = {"wait": MS, "decode": MS, "hands": 20 * MS, "encode": MS, "send": MS}
+    sequential = replace(block("sequential", [1.0]), rows=(Row(0, other, ()),))
+    lines = table(case(profile, camera, ours, sequential))
+    names = [line.split()[0] for line in lines if line.startswith("  ")]
+    first = names.index("wait")
+    assert names[first : first + 6] == ["wait", "decode", "hands", "sense", "encode", "send"]

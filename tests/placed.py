@@ -24,7 +24,7 @@ from halo_service.virtual.noise import GRAIN
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
 
-FRAMES = 8
+FRAMES = 4
 """Of depth that are averaged; a calibration takes sixty."""
 
 
@@ -59,14 +59,14 @@ class Place:
         sensor = Sensor(room, colour_times=0)
         return [sensor.frame(33_333 * n, things=things).depth for n in range(FRAMES)]
 
-    def colour(self, shown=None, things=()) -> np.ndarray:
+    def colour(self, shown=None, things=(), room: Room | None = None) -> np.ndarray:
         """(h, w, 3) what the colour camera sees, its noise included.
 
-        `shown`: the projector's (height, width) picture, or None.
+        `shown`: the projector's (height, width) picture, or None; `room`: this one, changed.
         """
-        bgr = None if shown is None else cv2.cvtColor(shown, cv2.COLOR_GRAY2BGR)
-        self._imager.throw(bgr)
-        picture = self._imager.draw(1.0, things, [np.zeros(3)] * len(things))
+        imager = self._imager if room is None else ColourImager(room, self.camera, self.truth, 1)
+        imager.throw(None if shown is None else cv2.cvtColor(shown, cv2.COLOR_GRAY2BGR))
+        picture = imager.draw(1.0, things, [np.zeros(3)] * len(things))
         noise = np.random.default_rng(5).normal(0.0, GRAIN * self.room.noise, picture.shape[:2])
         return np.clip(picture + noise[..., None] + 0.5, 0.0, 255.0).astype(np.uint8)
 

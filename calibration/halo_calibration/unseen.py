@@ -26,8 +26,9 @@ WHITE, WHITE_SHARE = 250, 0.02
 which that is more than a reflection."""
 DARK = 40
 """A picture whose brightest hundredth is darker shows nothing."""
-WINDOW_PX, CONTRAST = 31, 40
-"""An edge is where so many grey levels lie within so many pixels."""
+WINDOW_PX, CONTRAST, STRONGEST = 31, 70, 0.6
+"""A mark's edge is where so many grey levels lie within so many pixels, and so much of the most
+that do anywhere: wood's grain is soft even in focus."""
 SOFT = 0.2
 """Steepest slope over contrast, per px: an edge in focus has 0.5, one blurred by 2 px 0.2."""
 
@@ -69,8 +70,15 @@ def explain(seen: Seen, picture: Picture, board: Board) -> str:
 
 def _hidden(seen: Seen, board: Board) -> str:
     if not seen.numbers:
-        what = "put it flat in the middle" if isinstance(board, Printed) else "show it full screen"
-        return f"the {board.name} is not in the camera's view: {what}, and try again"
+        what = (
+            "put it flat in the middle of"
+            if isinstance(board, Printed)
+            else "show it full screen in"
+        )
+        return (
+            f"the {board.name} is not seen: {what} the camera's view, in focus and in even light, "
+            f"and try again"
+        )
     every = len(seen.missing) + len(set(seen.numbers))
     return (
         f"only {every - len(seen.missing)} of the {board.name}'s {every} marks are seen, and those "
@@ -100,7 +108,7 @@ def _soft(grey: Picture) -> bool:
     )
     window = np.ones((WINDOW_PX, WINDOW_PX), np.uint8)
     contrast = cv2.dilate(calm, window) - cv2.erode(calm, window)
-    edges = contrast > CONTRAST
+    edges = contrast > max(CONTRAST, STRONGEST * float(contrast.max()))
     if not edges.any():
         return False
     return float(np.median((cv2.dilate(slope, window) / contrast.clip(1.0))[edges])) < SOFT

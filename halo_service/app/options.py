@@ -67,6 +67,11 @@ def parser() -> argparse.ArgumentParser:
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
+    targets = commands.add_parser(
+        "targets", parents=[debug], help="write the sheets to print: surface and anchor, as PDF"
+    )
+    targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
+    targets.set_defaults(run=verbs.targets)
     doctor = commands.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
     doctor.add_argument("--source", metavar="S", help="as for serve")
     doctor.set_defaults(run=verbs.doctor)

@@ -18,7 +18,7 @@ from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.touch import Stated
-from halo_service.app.calibrate_place import PLACED, PlaceWish, place
+from halo_service.app.calibrate_place import PLACED, WAYS, PlaceWish, place
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
 from halo_service.app.sources import decide, open_source
@@ -53,6 +53,11 @@ def calibrate(settings: Settings, wish: Wish) -> Path:
     """Run one step or all that are missing; return the profile's folder."""
     if not settings.profile:
         raise UserError("calibrate: name the profile to make or go on with: --profile desk")
+    if wish.place.by is not None and wish.step not in WAYS:
+        raise UserError(
+            f"calibrate: --by goes with one of {', '.join(WAYS)}: halo calibrate surface --by "
+            f"{wish.place.by}"
+        )
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
         source = _source(settings, wish)

@@ -50,8 +50,9 @@ def place(name: str, guided: Guided, source: Source, wish: PlaceWish, profile: P
 
 
 def _way(name: str, by: str | None) -> str:
-    known = WAYS.get(name, ())
+    known = WAYS.get(name, ("markers",))
     if by is not None and by not in known:
-        ways = f"by {', '.join(known)}" if known else "in one way, without --by"
-        raise UserError(f"calibrate {name}: it can be found {ways}, and not by '{by}'")
-    return by or next(iter(known), "")
+        raise UserError(
+            f"calibrate {name}: it can be found by {', '.join(known)}, and not by '{by}'"
+        )
+    return by or known[0]

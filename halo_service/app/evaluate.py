@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import os
+import platform
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
+from datetime import date
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -24,15 +27,20 @@ from halo_service.evaluation.brief import brief
 from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
+from halo_service.evaluation.report.page import page
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.run import Order, run, work_s
+from halo_service.evaluation.table import as_markdown, as_text
+from halo_service.evaluation.told import heading, told
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
 from halo_service.profile.store import profile_path, require_fit
 from halo_service.sources.recording import Recording
 from halo_service.virtual.materials import MATERIALS, STUDIED
+
+PAGE = "index.html"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +75,19 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
         bar_format="{percentage:3.0f}% |{bar}| {elapsed} so far, about {remaining} to go",
     ) as bar:
         return run(order, bar.update)
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """How results are told."""
+
+    csv: str | None = None
+    """Every figure into this file; `-`: instead of the tables."""
+    each: bool = False
+    """A line a person, task and method instead of the tables."""
+    markdown: bool = False
+    report: Path | None = None
+    """A folder for a page with the plots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,10 +186,30 @@ def _tracker(tracking: TrackingSettings) -> str:
     return f"mediapipe {version('mediapipe')} {model}"
 
 
-def tell(results: Sequence[Result], csv: str | None) -> None:
-    """Print what came of it, and write every figure where that is wanted."""
-    if csv is not None:
-        with written(csv) as file:
-            rows.write(results, version("halo-service"), file)
-    if csv != STDOUT:
+def tell(results: Sequence[Result], asked: Telling) -> None:
+    """Print what came of it, and write what was asked for."""
+    package = version("halo-service")
+    if asked.csv is not None:
+        with written(asked.csv) as file:
+            rows.write(results, package, file)
+    if asked.report is not None:
+        asked.report.mkdir(parents=True, exist_ok=True)
+        with written(str(asked.report / PAGE)) as file:
+            file.write(page(results, _facts(results, package)))
+    if asked.csv == STDOUT:
+        return
+    if asked.each:
         print("\n".join(brief(results)))
+    else:
+        lay = as_markdown if asked.markdown else as_text
+        print("\n\n".join(told(results, package, lay)))
+
+
+def _facts(results: Sequence[Result], package: str) -> dict[str, str]:
+    """Say what a page is of."""
+    return {
+        "command": shlex.join(("halo", *sys.argv[1:])),
+        "date": date.today().isoformat(),
+        "machine": f"{platform.system()} on {platform.machine()}, {os.cpu_count()} cores",
+        "what": "; ".join(heading(results, package)),
+    }

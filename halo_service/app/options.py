@@ -72,6 +72,9 @@ def parser() -> argparse.ArgumentParser:
     )
     targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
     targets.set_defaults(run=verbs.targets)
+    _bench_options(
+        commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
+    )
     doctor = commands.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
     doctor.add_argument("--source", metavar="S", help="as for serve")
     doctor.set_defaults(run=verbs.doctor)
@@ -163,6 +166,18 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.set_defaults(run=verbs.calibrate)
 
 
+def _bench_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--hands", type=int, choices=(1, 2), help="look for so many (default: both by turns)"
+    )
+    verb.add_argument(
+        "--seconds", type=float, default=15.0, metavar="N", help="length of a take (default 15)"
+    )
+    verb.add_argument("--source", metavar="S", help="recording:FILE or sim[:SCENARIO]")
+    verb.add_argument("--json", metavar="FILE", help="write all figures; - for stdout")
+    verb.set_defaults(run=verbs.bench)
+
+
 def _place_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--by", metavar="WAY", help="surface: view, markers, touch; projector: markers, gray, touch"
@@ -216,7 +231,10 @@ def _evaluate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--keep", type=Path, metavar="DIR", help="where takes are kept")
     verb.add_argument("--kept-only", action="store_true", help="draw nothing: what is kept there")
     verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
-    verb.add_argument("--csv", metavar="FILE", help="every figure of every person")
+    verb.add_argument("--each", action="store_true", help="a line a person, task and method")
+    verb.add_argument("--markdown", action="store_true", help="tables for a page")
+    verb.add_argument("--report", type=Path, metavar="DIR", help="a page with the plots")
+    verb.add_argument("--csv", metavar="FILE", help="every figure of every person; - for stdout")
     verb.set_defaults(run=verbs.evaluate)
 
 

@@ -180,7 +180,7 @@ def evaluate(options: argparse.Namespace) -> int:
             options.jobs,
         )
         results = bench.evaluate(settings, asked)
-    bench.tell(results, options.csv)
+    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown, options.report))
     return 0
 
 
@@ -218,6 +218,19 @@ def profile(options: argparse.Namespace) -> int:
         print(options.out)
     else:
         print(profiles.import_profile(options.file, options.name))
+    return 0
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Measure how soon packets leave."""
+    from halo_service.app.bench import Asked
+    from halo_service.app.bench import bench as measure
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
+    measure(asked, settings)
     return 0
 
 

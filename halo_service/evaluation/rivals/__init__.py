@@ -9,9 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 from halo_service.errors import UserError
+from halo_service.evaluation.rivals.direct import DIRECT
+from halo_service.evaluation.rivals.paper import PAPER
+from halo_service.evaluation.rivals.wilson import WILSON
 from halo_service.runtime.method import OURS, Method
 
-METHODS: dict[str, Method[Any]] = {method.name: method for method in (OURS,)}
+METHODS: dict[str, Method[Any]] = {method.name: method for method in (OURS, PAPER, DIRECT, WILSON)}
 """By the name that `--method` knows them by."""
 
 

@@ -68,6 +68,11 @@ def parser() -> argparse.ArgumentParser:
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
+    targets = commands.add_parser(
+        "targets", parents=[debug], help="write the sheets to print: surface and anchor, as PDF"
+    )
+    targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
+    targets.set_defaults(run=verbs.targets)
     _bench_options(
         commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
     )

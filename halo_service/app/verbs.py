@@ -191,6 +191,25 @@ def evaluate(options: argparse.Namespace) -> int:
     return 0
 
 
+def targets(options: argparse.Namespace) -> int:
+    """Write the printable sheets."""
+    from halo_calibration.targets import sheets
+    from halo_service.files import appearing
+
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+        for name, content in sheets().items():
+            with appearing(options.folder / name) as file:
+                file.write(content)
+            print(f"halo: {options.folder / name}", file=sys.stderr)
+    except OSError as error:
+        raise UserError(
+            f"'{options.folder}' cannot be written ({error.strerror or error}); choose another "
+            f"folder"
+        ) from error
+    return 0
+
+
 def profile(options: argparse.Namespace) -> int:
     """Look after the profiles."""
     from halo_service.app import profiles

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.evaluation.rivals.ground import Pixel, point_at
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Background, Correction, Profile
@@ -28,7 +29,6 @@ BEYOND_PX = 15
 TYPICAL_PITCH_DEG = 45.0
 """Where either landmark's depth is unmeasured: the wedge's (paper 4.3.5)."""
 
-Pixel = tuple[float, float]
 Point = tuple[float, float, float]
 Where = tuple[slice, slice] | tuple[NDArray[np.intp], NDArray[np.intp]]
 """Rows and columns of some pixels."""
@@ -57,7 +57,7 @@ def read(depth: Depth, hand: Hand, profile: Profile) -> Reading:
     camera, surface = profile.camera, profile.surface
     at_tip, at_joint = (_point(px, depth, camera, surface) for px in (tip, distal))
     pitch_deg, yaw_deg = _angles(tip, distal, at_tip, at_joint)
-    x_mm, y_mm, z_mm = at_tip or _on_plane(tip, camera, surface)
+    x_mm, y_mm, z_mm = at_tip or point_at(tip, 0.0, camera, surface)
     return Reading(
         tip,
         (x_mm, y_mm),
@@ -117,13 +117,6 @@ def _point(px: Pixel, depth: Depth, camera: Camera, surface: Surface) -> Point |
         return None
     ray = camera.depth.rays(np.array([px]))
     x, y, z = surface.from_camera(ray * float(depth[row, column]))[0].tolist()
-    return x, y, z
-
-
-def _on_plane(px: Pixel, camera: Camera, surface: Surface) -> Point:
-    ray = camera.depth.rays(np.array([px]))[0]
-    normal, origin = surface.camera_from_surface[:3, 2], surface.camera_from_surface[:3, 3]
-    x, y, z = surface.from_camera((ray * (normal @ origin) / (normal @ ray))[None])[0].tolist()
     return x, y, z
 
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import os
-import platform
-import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
-from datetime import date
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -20,27 +17,20 @@ from tqdm import tqdm
 
 from halo_service.app.config import Settings, TrackingSettings
 from halo_service.app.eyes import Eyes, model_for
-from halo_service.app.files import STDOUT, written
 from halo_service.errors import UserError
-from halo_service.evaluation import matrix, rows
-from halo_service.evaluation.brief import brief
+from halo_service.evaluation import matrix
 from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
-from halo_service.evaluation.report.page import page
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.run import Order, run, work_s
-from halo_service.evaluation.table import as_markdown, as_text
-from halo_service.evaluation.told import heading, told
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
 from halo_service.profile.store import profile_path, require_fit
 from halo_service.sources.recording import Recording
 from halo_service.virtual.materials import MATERIALS, STUDIED
-
-PAGE = "index.html"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,35 +68,25 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Telling:
-    """How results are told."""
-
-    csv: str | None = None
-    """Every figure into this file; `-`: instead of the tables."""
-    each: bool = False
-    """A line a person, task and method instead of the tables."""
-    markdown: bool = False
-    report: Path | None = None
-    """A folder for a page with the plots."""
-
-
-@dataclass(frozen=True, slots=True)
 class Recorded:
     """A recording to judge."""
 
     recording: Path
-    truth: Path
+    truth: Path | None
+    """None: nobody knows it, and the script says what was asked of the person."""
     script: Path | None
     methods: tuple[str, ...]
 
 
 def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
-    """Judge a recording against its truth; raises `UserError` where one of both is none."""
+    """Judge a recording by its truth or its script; raises `UserError` where one is none."""
+    if asked.truth is None and asked.script is None:
+        raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
     methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
-    truth = read_lines(asked.truth, "truth")
+    truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
@@ -184,32 +164,3 @@ def _tracker(tracking: TrackingSettings) -> str:
     """Name the hand tracker by all that makes it see what it sees."""
     model = hashlib.sha256(model_for(tracking).read_bytes()).hexdigest()[:12]
     return f"mediapipe {version('mediapipe')} {model}"
-
-
-def tell(results: Sequence[Result], asked: Telling) -> None:
-    """Print what came of it, and write what was asked for."""
-    package = version("halo-service")
-    if asked.csv is not None:
-        with written(asked.csv) as file:
-            rows.write(results, package, file)
-    if asked.report is not None:
-        asked.report.mkdir(parents=True, exist_ok=True)
-        with written(str(asked.report / PAGE)) as file:
-            file.write(page(results, _facts(results, package)))
-    if asked.csv == STDOUT:
-        return
-    if asked.each:
-        print("\n".join(brief(results)))
-    else:
-        lay = as_markdown if asked.markdown else as_text
-        print("\n\n".join(told(results, package, lay)))
-
-
-def _facts(results: Sequence[Result], package: str) -> dict[str, str]:
-    """Say what a page is of."""
-    return {
-        "command": shlex.join(("halo", *sys.argv[1:])),
-        "date": date.today().isoformat(),
-        "machine": f"{platform.system()} on {platform.machine()}, {os.cpu_count()} cores",
-        "what": "; ".join(heading(results, package)),
-    }

@@ -156,31 +156,57 @@ def verify(options: argparse.Namespace) -> int:
 
 
 def evaluate(options: argparse.Namespace) -> int:
-    """Run the study or judge a recording, and print what came of it."""
+    """Run the study or judge a recording, and tell what came of it."""
     from halo_service.app import evaluate as bench
     from halo_service.app.config import load
+    from halo_service.app.evaluate_told import Telling, telling
+    from halo_service.app.first_light import first_light
 
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
-    if options.recording is not None:
-        if options.truth is None:
-            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
-        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
-        results = bench.evaluate_recording(settings, recorded)
-    else:
-        asked = bench.Asked(
-            options.quick,
-            options.method,
-            options.users,
-            options.materials,
-            options.tasks,
-            options.labels,
-            options.keep,
-            options.kept_only,
-            options.jobs,
-        )
-        results = bench.evaluate(settings, asked)
-    bench.tell(results, bench.Telling(options.csv, options.each, options.markdown, options.report))
+    with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
+        if options.live is not None:
+            source = replace(settings.source, name=options.source or settings.source.name)
+            recording, script = first_light(replace(settings, source=source), options.live)
+            recorded = bench.Recorded(recording, None, script, options.method)
+            tell(bench.evaluate_recording(settings, recorded))
+        elif options.recording is None:
+            asked = bench.Asked(
+                options.quick,
+                options.method,
+                options.users,
+                options.materials,
+                options.tasks,
+                options.labels,
+                options.keep,
+                options.kept_only,
+                options.jobs,
+            )
+            tell(bench.evaluate(settings, asked))
+        else:
+            recorded = bench.Recorded(
+                options.recording, options.truth, options.script, options.method
+            )
+            tell(bench.evaluate_recording(settings, recorded))
+    return 0
+
+
+def targets(options: argparse.Namespace) -> int:
+    """Write the printable sheets."""
+    from halo_calibration.targets import sheets
+    from halo_service.files import appearing
+
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+        for name, content in sheets().items():
+            with appearing(options.folder / name) as file:
+                file.write(content)
+            print(f"halo: {options.folder / name}", file=sys.stderr)
+    except OSError as error:
+        raise UserError(
+            f"'{options.folder}' cannot be written ({error.strerror or error}); choose another "
+            f"folder"
+        ) from error
     return 0
 
 

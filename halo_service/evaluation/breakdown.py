@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
 from halo_service.evaluation import pick
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.keys import Keys, Phrase
+from halo_service.evaluation.scores.levels import Trial
 from halo_service.evaluation.scores.spatial import Spatial, from_truth, spatial
 from halo_service.evaluation.scores.take import Scores
 from halo_service.evaluation.scores.threshold import told_by_lift
@@ -27,6 +29,7 @@ def breakdown(results: Sequence[Result]) -> tuple[Table, ...]:
     """Return every table that the results have rows for."""
     tables = (
         touches_by_material(results),
+        levels_by_height_and_force(results),
         levels_by_family(results),
         levels_by_user(results),
         typing_by_task(results),
@@ -62,6 +65,27 @@ def touches_by_material(results: Sequence[Result]) -> Table:
         ),
         tuple(rows),
         "Ghosts and what lay outside count against precision; the paper counted doubled ones only.",
+    )
+
+
+def levels_by_height_and_force(results: Sequence[Result]) -> Table:
+    """Error and bias at each held height and force."""
+    rows = []
+    for kind, unit in (("hover", "mm"), ("pressure", "g")):
+        held = {
+            (method, noisy): pick.trials(pick.of(results, method), kind, noisy)
+            for method in pick.methods(results)
+            for noisy in (False, True)
+        }
+        for level in sorted({trial.level for trials in held.values() for trial in trials}):
+            for method in pick.methods(results):
+                cells = (_at_level(held[method, noisy], level) for noisy in (False, True))
+                rows.append((f"{kind}, {level:g} {unit}", method, *chain.from_iterable(cells)))
+    return Table(
+        "Hover and pressure by level",
+        _head("level|method|error|bias|error at doubled noise|bias at doubled noise"),
+        tuple(rows),
+        "Hover in mm, pressure in % of 385 g. Bias: told minus true.",
     )
 
 
@@ -168,6 +192,14 @@ def _levels(results: Sequence[Result], key: Key) -> tuple[tuple[str, ...], ...]:
         if set(cells) != {NONE}:
             rows.append((name or NONE, method, *cells))
     return tuple(rows)
+
+
+def _at_level(trials: Sequence[Trial], level: float) -> tuple[str, str]:
+    mine = [each for each in trials if each.level == level and not np.isnan(each.error)]
+    mean, sd = pick.mean_error(mine)
+    if not mine:
+        return NONE, NONE
+    return f"{mean:.2f} ± {sd:.2f}", f"{np.mean([each.bias for each in mine]):+.2f}"
 
 
 def _off(off: Spatial | None) -> tuple[str, str, str]:

@@ -173,7 +173,7 @@ def contact_to_down(results: Sequence[Result]) -> Measured | None:
     late = float(np.median([each.down_ms for each in timing]))
     frames = float(np.median([each.frames_late for each in timing]))
     p95 = float(np.percentile([each.down_ms for each in timing], 95.0))
-    return Measured(f"{late:.0f} ms (p95 {p95:.0f}), {frames:g} frames later", late <= FRAME_MS)
+    return Measured(f"{late:.0f} ms (p95 {p95:.0f}), {frames:+g} frames", late <= FRAME_MS)
 
 
 def strike_speed(results: Sequence[Result]) -> Measured | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,7 +52,8 @@ def room() -> Room:
 
 
 @pytest.fixture(scope="module")
-def profile(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Profile:
+def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording; its script and the profile made of both lie beside it."""
     folder = tmp_path_factory.mktemp("place")
     recording = folder / "place.mkv"
     with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
@@ -68,10 +70,14 @@ def profile(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Profile:
         take.step(Cue("marker", "", board=ANCHOR), FRAMES, "anchor", marker=number)
     script = folder / "script.json"
     script.write_text(json.dumps(take.script))
-    made = folder / "profile"
     arguments = ["--source", f"recording:{recording}", "--script", str(script)]
-    assert main(["calibrate", *arguments, "--profile", str(made)]) == 0
-    return load(made)
+    assert main(["calibrate", *arguments, "--profile", str(folder / "profile")]) == 0
+    return recording
+
+
+@pytest.fixture(scope="module")
+def profile(recording: Path) -> Profile:
+    return load(recording.with_name("profile"))
 
 
 def on_sheet(at: tuple[float, float, float], places: np.ndarray) -> np.ndarray:
@@ -122,3 +128,16 @@ def test_the_anchor_is_where_the_marker_lies(room: Room, profile: Profile) -> No
     off = np.linalg.norm(moved[:, :2] - square, axis=1)
     print(f"anchor: corners off by {off.max():.2f} mm")
     assert off.max() < 2.0
+
+
+def test_a_recording_can_be_verified_too(
+    recording: Path,
+    profile: Profile,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Nobody touches anything in it, and it says so when it ends."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    source = ["--source", f"recording:{recording}", "--profile", str(recording.parent / "profile")]
+    assert main(["verify", *source, "--window"]) == 1
+    assert "no crossing was touched" in capsys.readouterr().out

@@ -141,6 +141,12 @@ def test_a_breakdown_has_a_row_a_material_and_method_and_the_refused_with_their_
     assert tables["Could not be calibrated"] == (refused,)
 
 
+def test_levels_are_told_one_by_one_with_their_bias_and_by_noise():
+    results = [result(held(0.5), "hover"), result(held(0.7), "hover-noise2")]
+    table = next(t for t in breakdown(results) if t.title == "Hover and pressure by level")
+    assert table.rows == (("hover, 10 mm", "ours", "0.50 ± 0.00", "-0.50", "0.70 ± 0.00", "-0.70"),)
+
+
 TABLE = Table("Title", ("what", "a|b"), (("one", "1"), ("longer", "22")), "Read so.")
 
 

@@ -44,19 +44,21 @@ Mask = NDArray[np.bool_]
 
 SOLID_SIGMAS = 4.0
 SOLID_MM = 3.0
-"""What is higher than both stands on the surface."""
+"""What is higher than both stands on the surface (chosen: lower ones let noise lengthen a tip)."""
 HAND_MM = 40.0
-"""What is higher is hand or arm: no finger that touches reaches so high near its tip."""
+"""What is higher is hand or arm (chosen: a finger that touches reaches it behind its joints)."""
 HAND_PX = 100
-"""Fewer such pixels are no hand."""
+"""Fewer such pixels are no hand (chosen: a knuckle)."""
 FINGER_PX = 15
-"""What reaches less far out of the hand is no finger."""
-END_PX = 8
-"""So many of the farthest pixels are the tip."""
-SMOOTHING = 0.5
-"""Share of the new frame in the tip's height."""
-ENTER_MM, LEAVE_MM = 6.0, 9.0
-"""A tip below this touches, and one that touches does so up to that."""
+"""What reaches less far out of the hand is no finger (chosen: a fingertip's length)."""
+LEAST_PX = 12
+"""Fewer pixels are none either (chosen: noise)."""
+END_PX = 3.0
+"""What lies within so much of a finger's farthest pixel is its tip (chosen: of 2, 3 and 5)."""
+SMOOTHING = 0.4
+"""Share of the new frame in the tip's height (chosen: of 0.4 to 1)."""
+ENTER_MM, LEAVE_MM = 9.0, 11.0
+"""A tip below this touches, and one that touches does so up to that (chosen: of 4 to 11)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,7 +124,7 @@ def tips(above: Heights, ground: Ground, profile: Profile) -> list[Spot]:
     spots = []
     for label in range(1, count):
         left, top, width, height, size = stats[label].tolist()
-        if size < END_PX:
+        if size < LEAST_PX:
             continue
         box = np.s_[top : top + height, left : left + width]
         mine = labels[box] == label
@@ -130,7 +132,7 @@ def tips(above: Heights, ground: Ground, profile: Profile) -> list[Spot]:
         rooted = far.min() < 2.0
         if rooted and far.max() >= FINGER_PX:
             rows, columns = np.nonzero(mine)
-            end = np.argpartition(far, -END_PX)[-END_PX:]
+            end = far > far.max() - END_PX
             tip = (left + float(columns[end].mean()), top + float(rows[end].mean()))
             spots.append(_spot(tip, float(above[box][mine][end].mean()), ground, profile))
     return spots

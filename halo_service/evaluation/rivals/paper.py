@@ -35,7 +35,7 @@ from halo_service.sensing.states import interpolate
 from halo_service.values import Finger, Frame, Hand, Pointer, TouchFrame, Tracked
 
 LINE_REACH_MM = 15.0
-"""Where no halo is left on the line from tip to joint (paper 4.3.6)."""
+"""Where no halo is left on the finger's line (paper 4.3.6)."""
 MOST_WAITING = 8
 """Frames kept for the tracker: the slowest one's lag."""
 LOST_US = 250_000
@@ -153,7 +153,8 @@ def _height(signal: float, line_px: int, states: TouchStates) -> float:
         height = interpolate(signal, hover.signal, subtle.signal, hover.height_mm, subtle.height_mm)
         return max(height, 0.0)
     if states.line_px_at_hover <= 0.0:
-        return LINE_REACH_MM
+        # Even the hover state showed no pixel, so none can be missed: the middle of the range.
+        return (hover.height_mm + LINE_REACH_MM) / 2.0
     left = min(line_px / states.line_px_at_hover, 1.0)
     return LINE_REACH_MM - left * (LINE_REACH_MM - hover.height_mm)
 

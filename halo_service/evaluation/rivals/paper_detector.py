@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-DEPARTURE = 0.3
-"""Of the level (0 subtle, 1 touch) from its baseline."""
-RISE = 0.1
-"""Of the level from one frame to the next: the derivative's "relatively large magnitude"."""
+DEPARTURE = 0.1
+"""Of the level (0 subtle, 1 touch) from its baseline (chosen: of 0.05 to 0.7)."""
+RISE = 0.05
+"""Of the level from one frame to the next (chosen: 0.05 and 0.15 do the same)."""
 BASELINE_MS = 400.0
-"""Time constant of the exponential smoothing."""
+"""Time constant of the exponential smoothing (chosen: 150 to 1000 do the same)."""
 FAST_MM_S = 600.0
-"""A finger that moves faster along the surface makes artefacts, not touches (paper 6.2)."""
+"""A finger that moves faster along the surface makes artefacts, not touches (paper 6.2;
+chosen: 300 to 1200 do the same)."""
 
 
 @dataclass(frozen=True, slots=True)

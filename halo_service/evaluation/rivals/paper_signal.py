@@ -23,6 +23,8 @@ THRESHOLD_MM = 8.0
 """Excess depth from which a pixel is halo (paper 4.3.1)."""
 PATCH_WIDTH_PX, PATCH_HEIGHT_PX = 30, 20
 """Around the tip (paper 4.3.3)."""
+BEYOND_PX = 15
+"""How far past the tip the finger's line is followed (chosen: the halo's reach)."""
 TYPICAL_PITCH_DEG = 45.0
 """Where either landmark's depth is unmeasured: the wedge's (paper 4.3.5)."""
 
@@ -46,7 +48,7 @@ class Reading:
     raw: float
     """Sum of the halo in the patch, mm px."""
     line_px: int
-    """Halo pixels on the line from tip to distal joint."""
+    """Halo pixels on the finger's line."""
 
 
 def read(depth: Depth, hand: Hand, profile: Profile) -> Reading:
@@ -85,10 +87,14 @@ def _patch_sum(depth: Depth, background: Background, tip: Pixel) -> float:
 
 
 def _line_pixels(depth: Depth, background: Background, tip: Pixel, distal: Pixel) -> int:
-    steps = max(round(math.dist(tip, distal)), 1)
-    share = np.arange(steps + 1) / steps
-    columns = np.rint(tip[0] + share * (distal[0] - tip[0])).astype(np.intp)
-    rows = np.rint(tip[1] + share * (distal[1] - tip[1])).astype(np.intp)
+    """Count the halo's pixels on the line from joint to tip and on past it.
+
+    Between the two there is finger and no halo, so to the letter (paper 4.3.6) nothing is counted.
+    """
+    length = max(math.dist(tip, distal), 1.0)
+    share = np.arange(round(length) + BEYOND_PX) / length
+    columns = np.rint(distal[0] + share * (tip[0] - distal[0])).astype(np.intp)
+    rows = np.rint(distal[1] + share * (tip[1] - distal[1])).astype(np.intp)
     height, width = depth.shape
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
     excess = _excess(depth, background, (rows[inside], columns[inside]))

@@ -38,17 +38,17 @@ from halo_service.sensing import SensingSettings
 from halo_service.sensing.background import Drift, follow_drift
 from halo_service.values import Frame, Pointer, TouchFrame, Tracked
 
-NEAR_MM = 14.0
-"""A finger's upper side is no higher while its pad touches."""
-FAR_MM = 3.0
+NEAR_MM = 10.0
+"""What is higher is in the air (chosen: more sees flat fingers that hover, less no steep ones)."""
+FAR_MM = 2.0
 FAR_SIGMAS = 4.0
-"""What is lower than either may be the surface's own noise."""
-SMOOTH_PX = 5
-"""Side of the box over which the band is averaged."""
-ENTER_PX, LEAVE_PX = 25, 15
-"""A patch of so many pixels begins a touch, and of so many keeps it."""
-MISSED_FRAMES = 1
-"""A touch outlives so many frames without its patch."""
+"""What is lower than either may be the surface's own noise (chosen: twice and four times it)."""
+SMOOTH_PX = 3
+"""Side of the box over which the band is averaged (chosen: a larger one loses steep fingers)."""
+ENTER_PX, LEAVE_PX = 14, 7
+"""A patch of so many pixels begins a touch, and of so many keeps it (chosen: see above)."""
+MISSED_FRAMES = 2
+"""A touch outlives so many frames without its patch (chosen: patches flicker for one or two)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -64,12 +64,13 @@ TASKS = (
 """The full matrix."""
 QUICK_TASKS = (
     replace(POINTING, name="pointing-20", seconds=29.0, touches=20),
-    *(task for task in TASKS if task.name in ("hover", "pressure")),
+    Task("hover-5", "hover", 25.0, ends=False),
+    Task("pressure-5", "pressure", 26.0, ends=False),
 )
-"""Three users with 20 touches each; a check of hover and pressure."""
+"""Three users with 20 touches each; each height and force once."""
 QUICK_ONCE = 1
 """Only so many of the quick users hold the levels: it has to end within five minutes."""
-KNOWN = (*TASKS, *QUICK_TASKS[:1])
+KNOWN = (*TASKS, *QUICK_TASKS)
 """All that can lie in a folder of takes."""
 LABELS = Task("labels", "labels", 60.0, ends=False, hands=2)
 """Taps when somebody really touched a tablet; needs a file of them."""

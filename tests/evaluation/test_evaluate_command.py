@@ -20,7 +20,7 @@ from halo_service.virtual.naming import wish
     [
         (["--method", "ours,theirs"], "no method 'theirs'; known: ours"),
         (["--materials", "stone"], "no material 'stone'; known: paper, wood"),
-        (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover, pointing-20"),
+        (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover-5, pointing-20"),
         (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
         (["--kept-only"], "no kept takes of these users and materials"),
         (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),

@@ -14,8 +14,9 @@ from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.debounce import debounce
+from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import detect
-from halo_service.sensing.extraction import extract, line_pixels
+from halo_service.sensing.extraction import extract
 from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, moved_since
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.pointers import describe, follow, within_reach
@@ -80,7 +81,15 @@ def follow_finger(
     if now_us - sighting.time_us > 1000.0 * settings.lost_after_ms:
         return None
     moved_px = moved_since(before.path, sighting.time_us, now_us)
-    tip = locate(sighting, moved_px, revealed, frame.depth, profile, states.finger_thickness_mm)
+    tip = locate(
+        sighting,
+        moved_px,
+        revealed,
+        frame.depth,
+        profile,
+        states.finger_thickness_mm,
+        states.tip_radius_mm,
+    )
     signal = measure(revealed, tip, profile.correction)
     level = touch_level(signal.corrected, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
@@ -103,7 +112,8 @@ def follow_finger(
 def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:
     """Read the halo around one fingertip."""
     raw = extract(revealed, tip)
-    return Signal(raw, correct(raw, tip, correction), line_pixels(revealed, tip))
+    dent_mm = dent_beside(revealed, tip)
+    return Signal(raw, correct(raw, tip, correction), correct(dent_mm, tip, correction))
 
 
 def adopt(state: State, profile: Profile) -> State:

@@ -10,21 +10,42 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from halo_service.profile import Correction, Profile, TouchStates
+from halo_service.profile import Correction, Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract, line_pixels
-from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, moved_since
+from halo_service.sensing.fingers import (
+    REMEMBERED,
+    Memory,
+    Past,
+    changes,
+    contradiction,
+    expect,
+    is_better,
+    meet,
+    sighted,
+    waiting,
+)
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.pointers import describe, follow, within_reach
 from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.sightings import sightings
 from halo_service.sensing.states import touch_level
+from halo_service.sensing.territory import (
+    Expected,
+    Shares,
+    is_finger,
+    share,
+    strip_end,
+    territory,
+)
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
 
+STILL = (0.0, 0.0)
+"""Where a finger is expected, it is expected now."""
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
 """Name, width and height in mm of a surface that nobody has calibrated."""
 
@@ -41,6 +62,17 @@ class State:
     drift: Drift = Drift()  # noqa: RUF009 - frozen, so one default serves all
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What all fingers of a frame are sought in."""
+
+    frame: Frame
+    revealed: Revealed
+    shares: Shares
+    profile: Profile
+    settings: SensingSettings
+
+
 def start(profile: Profile | None, settings: SensingSettings) -> State:
     """Return the state before the first frame."""
     return State(profile, settings)
@@ -55,9 +87,11 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     revealed = reveal(excess_mm, settings, profile.halo_threshold_mm)
     fingers: list[Memory] = []
     events: list[TouchEvent] = []
-    for before in meet(state.fingers, sightings(tracked), state.next_id):
-        states = profile.states(before.sighting.side) or profile.touch
-        finger = follow_finger(before, frame, revealed, profile, states, settings)
+    known = meet(state.fingers, sightings(tracked, settings.fingers), state.next_id)
+    places = [expect(finger, frame.time_us) for finger in known]
+    scene = Scene(frame, revealed, share(places, frame.depth.shape), profile, settings)
+    for number, (before, place) in enumerate(zip(known, places, strict=True)):
+        finger = follow_finger(before, place, number, scene)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
@@ -67,21 +101,16 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     return told, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
 
 
-def follow_finger(
-    before: Memory,
-    frame: Frame,
-    revealed: Revealed,
-    profile: Profile,
-    states: TouchStates,
-    settings: SensingSettings,
-) -> Memory | None:
+def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene) -> Memory | None:
     """Take one finger through all stages into the present frame; None when it is gone."""
-    now_us, sighting = frame.time_us, before.sighting
-    if now_us - sighting.time_us > 1000.0 * settings.lost_after_ms:
-        return None
-    moved_px = moved_since(before.path, sighting.time_us, now_us)
-    tip = locate(sighting, moved_px, revealed, frame.depth, profile, states.finger_thickness_mm)
-    signal = measure(revealed, tip, profile.correction)
+    profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
+    states = profile.states(before.side)
+    assert states is not None  # `step` senses with a whole profile alone
+    found = find(before, expected, number, scene, states.finger_thickness_mm)
+    if found is None:
+        return waiting(before, now_us, settings)
+    tip, own = found
+    signal = measure(own, tip, profile.correction)
     level = touch_level(signal.corrected, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
@@ -94,10 +123,38 @@ def follow_finger(
         before,
         pointer=replace(pointer, vx_mm_s=motion.vx_mm_s, vy_mm_s=motion.vy_mm_s),
         path=(*before.path, Past(now_us, tip.tip_px))[-REMEMBERED:],
+        shown_us=now_us,
         detector=detector,
         debounce=bounced,
         motion=motion,
     )
+
+
+def find(
+    finger: Memory, expected: Expected, number: int, scene: Scene, thickness_mm: float
+) -> tuple[Fingertip, Revealed] | None:
+    """Return a fingertip and the scene as far as it is this finger's; None where none shows."""
+    own = territory(scene.revealed, scene.shares, number, expected)
+    tip = _tip(finger, expected, own, scene, thickness_mm)
+    if tip is None:
+        farther = replace(expected, tip_px=strip_end(own.hand, expected))
+        tip = _tip(finger, farther, own, scene, thickness_mm)
+    claim = contradiction(finger)
+    if claim is not None:
+        there = territory(scene.revealed, scene.shares, number, claim)
+        claimed = _tip(finger, claim, there, scene, thickness_mm)
+        if claimed is not None and is_better(finger, claimed, tip):
+            return claimed, there
+    return None if tip is None else (tip, own)
+
+
+def _tip(
+    finger: Memory, place: Expected, own: Revealed, scene: Scene, thickness_mm: float
+) -> Fingertip | None:
+    """Return the fingertip about a place, or None where no finger is."""
+    sighting = sighted(finger, place)
+    tip = locate(sighting, STILL, own, scene.frame.depth, scene.profile, thickness_mm)
+    return tip if is_finger(own.hand, tip.tip_px, place.direction) else None
 
 
 def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:

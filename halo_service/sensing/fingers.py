@@ -39,6 +39,8 @@ MOST_VOTES = 8
 """A quarter of a second of the tracker's opinions on left and right."""
 REMEMBERED = 8
 """Tips kept a finger: the slowest tracker's lag at 30 frames a second."""
+CLAIM_US = 150_000
+"""So old may a sighting be that says where a finger is (chosen: a slow tracker's lag)."""
 INSISTS = 4
 """Sightings in a row: the tracker errs singly and, on hands that overlap, in runs (chosen)."""
 REPLACED_US = 200_000
@@ -96,9 +98,9 @@ def expect(finger: Memory, time_us: int) -> Expected:
     return Expected(tip, finger.direction, top_mm)
 
 
-def contradiction(finger: Memory) -> Expected | None:
-    """Return where the tracker sees a finger if that is not where its path went, else None."""
-    if finger.astray == 0:
+def claim(finger: Memory, time_us: int) -> Expected | None:
+    """Return where the tracker sees a finger, None where it has not seen it for a while."""
+    if not finger.path or time_us - finger.sighting.time_us > CLAIM_US:
         return None
     tip, joint = finger.sighting.tip_px, finger.sighting.distal_px
     return Expected(tip, unit(joint, tip), math.nan)

@@ -21,7 +21,7 @@ from halo_service.sensing.fingers import (
     Memory,
     Past,
     changes,
-    contradiction,
+    claim,
     expect,
     is_better,
     meet,
@@ -46,6 +46,8 @@ from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame
 
 STILL = (0.0, 0.0)
 """Where a finger is expected, it is expected now."""
+LEAST_TOP_MM = 5.0
+"""A fingertip's upper side stands higher than this; what does not is surface."""
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
 """Name, width and height in mm of a surface that nobody has calibrated."""
 
@@ -71,6 +73,17 @@ class Scene:
     shares: Shares
     profile: Profile
     settings: SensingSettings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """One finger in the present frame."""
+
+    tip: Fingertip
+    own: Revealed
+    """The scene as far as it is this finger's."""
+    followed: bool
+    """Along its path, rather than where the tracker saw it anew."""
 
 
 def start(profile: Profile | None, settings: SensingSettings) -> State:
@@ -109,8 +122,8 @@ def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene)
     found = find(before, expected, number, scene, states.finger_thickness_mm)
     if found is None:
         return waiting(before, now_us, settings)
-    tip, own = found
-    signal = measure(own, tip, profile.correction)
+    tip = found.tip
+    signal = measure(found.own, tip, profile.correction)
     level = touch_level(signal.corrected, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
@@ -122,7 +135,7 @@ def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene)
     return replace(
         before,
         pointer=replace(pointer, vx_mm_s=motion.vx_mm_s, vy_mm_s=motion.vy_mm_s),
-        path=(*before.path, Past(now_us, tip.tip_px))[-REMEMBERED:],
+        path=(*(before.path if found.followed else ()), Past(now_us, tip.tip_px))[-REMEMBERED:],
         shown_us=now_us,
         detector=detector,
         debounce=bounced,
@@ -132,20 +145,20 @@ def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene)
 
 def find(
     finger: Memory, expected: Expected, number: int, scene: Scene, thickness_mm: float
-) -> tuple[Fingertip, Revealed] | None:
-    """Return a fingertip and the scene as far as it is this finger's; None where none shows."""
+) -> Found | None:
+    """Return a fingertip in the present frame, None where none shows."""
     own = territory(scene.revealed, scene.shares, number, expected)
     tip = _tip(finger, expected, own, scene, thickness_mm)
+    claimed = claim(finger, scene.frame.time_us)
+    if claimed is not None and (tip is None or finger.astray):
+        there = territory(scene.revealed, scene.shares, number, claimed)
+        seen = _tip(finger, claimed, there, scene, thickness_mm)
+        if seen is not None and is_better(finger, seen, tip):
+            return Found(seen, there, followed=False)
     if tip is None:
         farther = replace(expected, tip_px=strip_end(own.hand, expected))
         tip = _tip(finger, farther, own, scene, thickness_mm)
-    claim = contradiction(finger)
-    if claim is not None:
-        there = territory(scene.revealed, scene.shares, number, claim)
-        claimed = _tip(finger, claim, there, scene, thickness_mm)
-        if claimed is not None and is_better(finger, claimed, tip):
-            return claimed, there
-    return None if tip is None else (tip, own)
+    return None if tip is None else Found(tip, own, followed=True)
 
 
 def _tip(
@@ -154,7 +167,8 @@ def _tip(
     """Return the fingertip about a place, or None where no finger is."""
     sighting = sighted(finger, place)
     tip = locate(sighting, STILL, own, scene.frame.depth, scene.profile, thickness_mm)
-    return tip if is_finger(own.hand, tip.tip_px, place.direction) else None
+    lies = tip.top_mm < LEAST_TOP_MM  # false for nan: unmeasured
+    return tip if not lies and is_finger(own.hand, tip.tip_px, place.direction) else None
 
 
 def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:

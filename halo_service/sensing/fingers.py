@@ -157,9 +157,11 @@ def meet(live: tuple[Memory, ...], seen: tuple[Sighting, ...], next_id: int) -> 
     known = tuple(
         _sighted(finger, seen[paired[i]]) if i in paired else finger
         for i, finger in enumerate(live)
-        if i in paired or not _is_replaced(finger, others)
+        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, live))
     )
-    strangers = [each for each in others if not any(_is_on(finger, each) for finger in known)]
+    strangers = [
+        each for each in others if not any(_is_on(finger, each.tip_px) for finger in known)
+    ]
     taken = {finger.slot for finger in known}
     slots = (slot for slot in range(SLOTS) if slot not in taken)
     newcomers = zip(count(next_id), slots, strangers, strict=False)
@@ -196,24 +198,40 @@ def _reach(finger: Memory, sighting: Sighting) -> float:
     return SAME_FINGER_PX if sighting.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_PX
 
 
-def _is_replaced(finger: Memory, others: Sequence[Sighting]) -> bool:
+def _is_replaced(finger: Memory, others: Sequence[Sighting], seen: bool) -> bool:
     """Say whether the tracker has long seen this very finger elsewhere: a hand has but one."""
-    return not finger.debounce.contact.touching and any(
-        other.finger is finger.sighting.finger
-        and other.side is finger.side
-        and other.time_us - finger.sighting.time_us > REPLACED_US
-        for other in others
+    return (
+        not seen
+        and not finger.debounce.contact.touching
+        and any(
+            other.finger is finger.sighting.finger
+            and other.side is finger.side
+            and other.time_us - finger.sighting.time_us > REPLACED_US
+            for other in others
+        )
     )
 
 
-def _is_on(finger: Memory, sighting: Sighting) -> bool:
-    """Say whether a sighted tip lies on a finger that is there already."""
+def _is_double(finger: Memory, live: Sequence[Memory]) -> bool:
+    """Say whether a hovering finger lies on another that the tracker confirms better."""
+    if finger.debounce.contact.touching or not finger.path:
+        return False
+    mine = (-finger.astray, finger.sighting.time_us, -finger.id)
+    return any(
+        (-other.astray, other.sighting.time_us, -other.id) > mine
+        and _is_on(other, finger.path[-1].tip_px)
+        for other in live
+        if other is not finger and other.path
+    )
+
+
+def _is_on(finger: Memory, place: Pixel) -> bool:
+    """Say whether a tip lies on a finger that is there already."""
     tip = finger.path[-1].tip_px if finger.path else finger.sighting.tip_px
-    dx, dy = tip[0] - sighting.tip_px[0], tip[1] - sighting.tip_px[1]
-    back = min(max(dx * finger.direction[0] + dy * finger.direction[1], 0.0), FINGER_PX)
-    return math.dist((dx, dy), (back * finger.direction[0], back * finger.direction[1])) < (
-        ON_FINGER_PX
-    )
+    ux, uy = finger.direction
+    dx, dy = tip[0] - place[0], tip[1] - place[1]
+    back = min(max(dx * ux + dy * uy, 0.0), FINGER_PX)
+    return math.dist((dx, dy), (back * ux, back * uy)) < ON_FINGER_PX
 
 
 def _distance(finger: Memory, sighting: Sighting) -> float:

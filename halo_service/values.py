@@ -126,7 +126,7 @@ class Signal:
     corrected: float
     """The same, as it would read at the place and angle of the calibration."""
     dent_mm: float
-    """How deep the surface seems dented beside the fingertip, corrected likewise; nan if hidden."""
+    """How deep the surface seems dented beside the fingertip, mm; nan where it is hidden."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -159,10 +159,10 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
 
 
 def _through(held: HeldState, correction: Correction | None) -> HeldState:
-    expected = 1.0
-    if correction is not None:
-        expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-    return replace(held, signal=held.raw / expected, dent_mm=held.raw_dent_mm / expected)
+    if correction is None:
+        return replace(held, signal=held.raw)
+    expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
+    return replace(held, signal=held.raw / expected)
 
 
 def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
@@ -177,7 +177,7 @@ def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
         y_mm=_median([each.y_mm for each in held.seen]),
         pitch_deg=_median([each.pitch_deg for each in held.seen]),
         yaw_deg=_median([each.yaw_deg for each in held.seen]),
-        raw_dent_mm=_finite([each.dent_mm for each in held.seen], 0.0),
+        dent_mm=_finite([each.dent_mm for each in held.seen], 0.0),
     )
 
 

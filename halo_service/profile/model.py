@@ -57,9 +57,7 @@ class HeldState:
     yaw_deg: float = 0.0
     """How the finger pointed."""
     dent_mm: float = 0.0
-    """Median dent of the surface beside the fingertip, corrected; 0 when unknown."""
-    raw_dent_mm: float = 0.0
-    """The same before correction."""
+    """Median dent of the surface beside the fingertip; 0 when unknown."""
 
 
 @dataclass(frozen=True, slots=True)

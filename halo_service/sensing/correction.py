@@ -17,7 +17,7 @@ LEAST_STRENGTH, MOST_STRENGTH = 0.3, 3.0
 
 
 def correct(raw: float, tip: Fingertip, correction: Correction | None) -> float:
-    """Return a signal or a dent as it would read there; the raw one where no sweep was made."""
+    """Return the corrected signal, mm px; the raw one where no sweep was made."""
     if correction is None:
         return raw
     return raw / strength(correction, *tip.pad_mm, tip.pitch_deg, tip.yaw_deg)

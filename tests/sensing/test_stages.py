@@ -13,7 +13,7 @@ from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import Detector, detect
-from halo_service.sensing.extraction import extract
+from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.outline import silhouette_end
 from halo_service.sensing.pressure import force, touch_pressure
@@ -68,19 +68,42 @@ def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: b
 
 
 @pytest.mark.parametrize(
-    ("x", "y", "pixels"),
-    [(320, 288, 600), (0, 0, 150), (639, 575, 11 * 16), (-100, 50, 0), (320, 900, 0)],
-    ids=["inside", "top left corner", "bottom right corner", "left of it", "below it"],
+    ("x", "y", "share"),
+    [(320, 288, 1.0), (0, 0, 1.0), (639, 575, 1.0), (-12, 50, 60 / LEAST_FREE_PX), (-100, 50, 0.0)],
+    ids=["inside", "top left corner", "bottom right corner", "almost outside", "outside"],
 )
-def test_the_patch_is_cut_at_the_images_edge(x: float, y: float, pixels: int) -> None:
+def test_what_is_left_of_a_patch_stands_for_all_of_it(x: float, y: float, share: float) -> None:
     revealed = reveal(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
-    assert extract(revealed, tip_at(x, y)) == pytest.approx(10.0 * pixels)
+    signal = extract(revealed, tip_at(x, y))
+    assert signal == pytest.approx(share * 10.0 * FREE_PX)
+
+
+@pytest.mark.parametrize("hidden", [slice(0, 0), slice(278, 283), slice(288, 298)])
+def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
+    excess = np.full((576, 640), 10.0, np.float32)
+    excess[hidden] = -30.0
+    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert signal == pytest.approx(10.0 * FREE_PX)
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 30.0, 90.0, -135.0])
+def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> None:
+    rows, columns = np.mgrid[:576, :640]
+    yaw = np.radians(yaw_deg)
+    along = (columns - 320) * np.sin(yaw) - (rows - 288) * np.cos(yaw)
+    across = (columns - 320) * np.cos(yaw) + (rows - 288) * np.sin(yaw)
+    dent = (along > -10) & (along <= 10) & (across >= -15) & (across < 15)
+    revealed = reveal(np.where(dent, 10.0, 0.0).astype(np.float32), SETTINGS, 8.0)
+    joint = (320.0 - 25.0 * np.sin(yaw), 288.0 + 25.0 * np.cos(yaw))
+    tip = replace(tip_at(320, 288), distal_px=joint)
+    assert extract(revealed, tip) == pytest.approx(10.0 * FREE_PX, rel=0.07)
 
 
 def test_pixels_under_the_threshold_are_not_summed() -> None:
     excess = np.full((576, 640), 7.9, np.float32)
     excess[288, 320] = 12.0
-    assert extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288)) == pytest.approx(12.0)
+    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert signal == pytest.approx(12.0 * FREE_PX / 600)
 
 
 def test_interpolation_is_the_papers_equation() -> None:

@@ -125,8 +125,8 @@ class Signal:
     """Sum of the excess depth over the halo's pixels in the patch, mm px."""
     corrected: float
     """The same, as it would read at the place and angle of the calibration."""
-    line_px: int
-    """Halo pixels on the finger's line just beyond the tip."""
+    dent_mm: float
+    """How deep the surface seems dented beside the fingertip, mm; nan where it is hidden."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,10 +14,16 @@ import pytest
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Background, HeldState, Profile, TouchStates
+from halo_service.sensing.extraction import FREE_PX
 from halo_service.values import Frame, Hand, Side, Tracked
 
 DISTANCE_MM = 500.0
 FRAME_US = 33_333
+DENT_PX, SHOWN_PX = 30 * 8, 459
+"""The drawn dent lies eight rows beyond the tip, within the patch, where no finger is; of the
+patch's 600 pixels the drawn finger leaves so many free."""
+PER_DENT_MM = DENT_PX * FREE_PX / SHOWN_PX
+"""Signal of a dent, mm px a mm."""
 
 
 @pytest.fixture(scope="session")
@@ -64,9 +70,7 @@ def draw() -> Callable[..., Frame]:
         depth = np.full((576, 640), DISTANCE_MM, np.uint16)
         if signal > 0.0:
             x, y = round(tip[0]), round(tip[1])
-            # Eight rows beyond the tip, within the patch; no finger pixel lies there.
-            dent = signal / (30 * 8)
-            depth[y - 8 : y, x - 15 : x + 15] = round(DISTANCE_MM + dent)
+            depth[y - 8 : y, x - 15 : x + 15] = round(DISTANCE_MM + signal / PER_DENT_MM)
         top = round(DISTANCE_MM - 14.0 - height_mm)
         start = (round(tip[0]), round(tip[1]) + 8)
         cv2.line(depth, start, (start[0], start[1] + 80), top, thickness=16)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
+from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.extraction import extract, line_pixels
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.revealer import reveal
@@ -39,6 +41,11 @@ class Observation:
     """The halo's signal before correction, mm px."""
     corrected: float
     line_px: int
+    """Halo pixels on the finger's line (paper 4.3.6)."""
+    dent_mm: float = math.nan
+    """How deep the surface seems dented beside the fingertip, before correction; nan if hidden."""
+    width_mm: float = math.nan
+    """Of the fingertip; nan where its sides are not clear."""
 
 
 class Observer:
@@ -78,4 +85,6 @@ class Observer:
             raw,
             correct(raw, tip, profile.correction),
             line_pixels(revealed, tip),
+            dent_beside(revealed, tip),
+            tip.width_mm,
         )

@@ -14,6 +14,7 @@ from halo_calibration.observe import THICKNESS_MM, Observation
 from halo_service.profile import Correction, HeldState, TouchStates
 from halo_service.profile.model import Quality
 from halo_service.sensing.correction import strength
+from halo_service.sensing.fingertips import TIP_RADIUS_MM
 
 STATES = ("hover", "subtle", "touch", "pressure")
 """From the weakest halo to the strongest (paper 4.3.5)."""
@@ -133,11 +134,14 @@ def solve_touch(
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
         raise Refused(NO_HALO)
     apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
-    tops = [each.top_mm for each in helds["touch"].seen if math.isfinite(each.top_mm)]
+    hover_mm = stated.of("hover")[0]
+    # In the hover state, for nearer to the surface the halo lifts what the camera reads.
+    seen = helds["hover"].seen
     states = TouchStates(
         **{state: _held_state(helds[state], middles[state], stated) for state in STATES},
-        line_px_at_hover=float(np.median([each.line_px for each in helds["hover"].seen])),
-        finger_thickness_mm=float(np.median(tops)) if tops else THICKNESS_MM,
+        line_px_at_hover=float(np.median([each.line_px for each in seen])),
+        finger_thickness_mm=_finite([each.top_mm - hover_mm for each in seen], THICKNESS_MM),
+        tip_radius_mm=_finite([each.width_mm / 2.0 for each in seen], TIP_RADIUS_MM),
     )
     quality: Quality = "good" if apart >= GOOD_SIGMAS else "fair"
     return corrected(states, correction), apart, quality
@@ -173,6 +177,7 @@ def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
         y_mm=_median([each.y_mm for each in held.seen]),
         pitch_deg=_median([each.pitch_deg for each in held.seen]),
         yaw_deg=_median([each.yaw_deg for each in held.seen]),
+        dent_mm=_finite([each.dent_mm for each in held.seen], 0.0),
     )
 
 
@@ -198,6 +203,12 @@ _REMEDIES = {
     "touch": "keep clear of the surface in 'subtle', and lay the fingertip down in 'touch'",
     "pressure": "let the finger rest in 'touch', and press down firmly in 'pressure'",
 }
+
+
+def _finite(values: Sequence[float], otherwise: float) -> float:
+    """Return the median of what was measured."""
+    measured = [value for value in values if math.isfinite(value)]
+    return _median(measured) if measured else otherwise
 
 
 def _median(values: Sequence[float]) -> float:

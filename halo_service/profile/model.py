@@ -56,6 +56,8 @@ class HeldState:
     pitch_deg: float = 45.0
     yaw_deg: float = 0.0
     """How the finger pointed."""
+    dent_mm: float = 0.0
+    """Median dent of the surface beside the fingertip; 0 when unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +71,9 @@ class TouchStates:
     line_px_at_hover: float
     """Halo pixels on the finger's line in the hover state."""
     finger_thickness_mm: float
-    """Height of the finger's upper side above the surface while its pad touches."""
+    """From the pad to the finger's upper side above it."""
+    tip_radius_mm: float = 7.0
+    """Half the fingertip's width (where unmeasured: half an adult's index finger, chosen)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -52,7 +52,7 @@ def locate(
     towards = _unit(sighting.distal_px, sighting.tip_px)
     guess = (sighting.tip_px[0] + moved_px[0], sighting.tip_px[1] + moved_px[1])
     px_per_mm = camera.depth.fx / max(float(surface.camera_from_surface[2, 3]), 1.0)
-    seen = outline(revealed.excess_mm, depth, guess, towards, radius_mm * px_per_mm)
+    seen = outline(revealed, depth, guess, towards, radius_mm * px_per_mm)
     end = seen or Outline(guess, towards, math.nan, False)
     tip, direction = end.tip_px, end.direction
     back_px = math.dist(sighting.distal_px, sighting.tip_px)

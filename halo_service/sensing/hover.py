@@ -3,34 +3,62 @@
 from __future__ import annotations
 
 import math
+from itertools import accumulate
+
+import numpy as np
 
 from halo_service.profile import TouchStates
-from halo_service.sensing.states import interpolate
 from halo_service.values import Fingertip, Signal
 
-LINE_REACH_MM = 15.0
-"""Where the last halo pixel on the finger's line is gone (paper 4.3.6)."""
+ONSET_MM = 21.0
+"""Where the halo begins (paper 4.1.3: at about 20 mm)."""
+SHAPE = (
+    # height as a share of the way from subtle to hover, dent as a share of the same way back
+    (0.44, 0.62),
+    (0.67, 0.38),
+)
+"""The middle of what a halo can do between two held heights: the straight line between them, an
+exponential and a sigmoid differ there by up to a millimetre to both sides. Chosen, not fitted."""
+TAIL = (
+    # share of the way from hover up to the onset, dent as a share of the hover state's
+    (0.2, 0.75),
+    (0.45, 0.47),
+    (0.9, 0.06),
+)
+"""The same above the hover state."""
+FADED = 0.3
+"""Below this share of the hover state's dent the finger's own depth comes in, until at none it is
+all: coarser, but the halo says nothing there."""
 
 
 def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     """Return the pad's height, mm, at least 0.
 
-    Between the subtle and hover states it is read off the halo, up to 15 mm off the halo pixels
-    left on the finger's line, and above that off the fingertip's own depth, which is coarser.
+    Read off the dent beside the finger, on a falling curve through the held states; above the
+    halo's reach off the finger's own depth. The two are blended, so that there is no seam.
     """
-    if signal.corrected > states.hover.signal:
-        height = interpolate(
-            signal.corrected,
-            states.hover.signal,
-            states.subtle.signal,
-            states.hover.height_mm,
-            states.subtle.height_mm,
-        )
-        return max(height, 0.0)
-    if 0 < signal.line_px <= states.line_px_at_hover:
-        return interpolate(
-            signal.line_px, 0.0, states.line_px_at_hover, LINE_REACH_MM, states.hover.height_mm
-        )
-    if math.isnan(tip.top_mm):
-        return LINE_REACH_MM
-    return max(tip.top_mm - states.finger_thickness_mm, states.hover.height_mm)
+    own_mm = tip.top_mm - states.finger_thickness_mm
+    if math.isnan(signal.dent_mm) or states.hover.dent_mm <= 0.0:
+        return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
+    dents, heights = curve(states)
+    halo_mm = float(np.interp(signal.dent_mm, dents, heights))
+    share = min(max(signal.dent_mm / (FADED * states.hover.dent_mm), 0.0), 1.0)
+    if share == 1.0 or math.isnan(own_mm):
+        return halo_mm
+    return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+
+
+def curve(states: TouchStates) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return dents, rising, mm, and the heights at which they are seen, mm."""
+    hover, subtle, touch = states.hover, states.subtle, states.touch
+    up_mm = max(ONSET_MM - hover.height_mm, 1.0)
+    way_mm, deeper_mm = hover.height_mm - subtle.height_mm, subtle.dent_mm - hover.dent_mm
+    points = [(0.0, hover.height_mm + up_mm)]
+    points += [(d * hover.dent_mm, hover.height_mm + h * up_mm) for h, d in reversed(TAIL)]
+    points.append((hover.dent_mm, hover.height_mm))
+    points += [
+        (hover.dent_mm + d * deeper_mm, subtle.height_mm + h * way_mm) for h, d in reversed(SHAPE)
+    ]
+    points += [(subtle.dent_mm, subtle.height_mm), (touch.dent_mm, touch.height_mm)]
+    dents, heights = zip(*points, strict=True)
+    return tuple(accumulate(dents, max)), heights

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
 from halo_service.values import Depth
 
@@ -72,18 +73,20 @@ class Outline(NamedTuple):
 class _View(NamedTuple):
     excess: Excess
     measured: NDArray[np.float32]
+    """1 where a depth of this finger or of the surface around it was measured."""
     left: int
     top: int
 
 
 def outline(
-    excess_mm: Excess, depth: Depth, guess: Pixel, direction: Pixel, radius_px: float
+    revealed: Revealed, depth: Depth, guess: Pixel, direction: Pixel, radius_px: float
 ) -> Outline | None:
     """Return the finger's outline near a guess, or None where no finger is.
 
+    `revealed`: what is neither hand nor free in it is another finger's, and not looked at;
     `direction`: unit vector from joint to tip, as well as it is known; `radius_px`: of the tip.
     """
-    view = _look(excess_mm, depth, guess)
+    view = _look(revealed, depth, guess)
     if view is None:
         return None
     finger = stands_out(view.excess)
@@ -140,16 +143,17 @@ def straight(
     return np.asarray(sampled)
 
 
-def _look(excess_mm: Excess, depth: Depth, guess: Pixel) -> _View | None:
+def _look(revealed: Revealed, depth: Depth, guess: Pixel) -> _View | None:
     left, top = max(round(guess[0]) - VIEW_PX, 0), max(round(guess[1]) - VIEW_PX, 0)
     window = (
         slice(top, max(round(guess[1]) + VIEW_PX, 0)),
         slice(left, max(round(guess[0]) + VIEW_PX, 0)),
     )
-    excess = np.ascontiguousarray(excess_mm[window])
-    if excess.size == 0:
+    own = (revealed.hand[window] | revealed.free[window]) & (depth[window] > 0)
+    if own.size == 0:
         return None
-    return _View(excess, (depth[window] > 0).astype(np.float32), left, top)
+    excess = np.where(own, revealed.excess_mm[window], np.float32(0.0))
+    return _View(excess, own.astype(np.float32), left, top)
 
 
 def _midline(

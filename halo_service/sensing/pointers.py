@@ -64,7 +64,7 @@ def describe(
     states: TouchStates,
 ) -> Pointer:
     """Make a pointer of what was sensed; its velocity is not known yet."""
-    pressure = touch_pressure(signal.corrected, states) if contact.touching else 0.0
+    pressure = touch_pressure(signal, states) if contact.touching else 0.0
     return Pointer(
         id=id,
         slot=slot,

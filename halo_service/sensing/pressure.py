@@ -2,18 +2,39 @@
 
 from __future__ import annotations
 
+import math
+
 from halo_service.profile import TouchStates
 from halo_service.sensing.states import interpolate
+from halo_service.values import Signal
 
 LEAST_PRESSURE = 0.02
 """A touch always presses a little, so that pressure alone tells touch from hover."""
 FORCE_UNKNOWN_G = -1.0
+GROWTH = 0.6
+"""The halo grows with the pad's contact, and that with the force to this power: 2/3 for a round
+elastic body (Hertz), less for flesh that stiffens. Chosen between 1/2 and 2/3, not fitted."""
+TOUCH_G, PRESS_G = 25.0, 200.0
+"""A relaxed touch and a medium press, where nobody stated them (chosen)."""
 
 
-def touch_pressure(signal: float, states: TouchStates) -> float:
-    """Return 0.02 at a relaxed touch, 1 at the calibrated press, more beyond (paper 4.3.6)."""
-    pressure = interpolate(signal, states.touch.signal, states.pressure.signal, 0.0, 1.0)
-    return max(pressure, LEAST_PRESSURE)
+def touch_pressure(signal: Signal, states: TouchStates) -> float:
+    """Return 0.02 at a relaxed touch, 1 at the calibrated press, more beyond (paper 4.3.6).
+
+    Linear in the force, so more than linear in the halo. Read off the dent beside the finger: it
+    goes on growing where the patch's sum is cut off at its edge and by the finger.
+    """
+    touch, press = states.touch, states.pressure
+    if math.isfinite(signal.dent_mm) and press.dent_mm > touch.dent_mm > 0.0:
+        read, relaxed, pressed = signal.dent_mm, touch.dent_mm, press.dent_mm
+    else:
+        read, relaxed, pressed = signal.corrected, touch.signal, press.signal
+    touch_g, press_g = touch.force_g, press.force_g
+    if not 0.0 <= touch_g < press_g:
+        touch_g, press_g = TOUCH_G, PRESS_G
+    contact = interpolate(read, relaxed, pressed, float(touch_g**GROWTH), float(press_g**GROWTH))
+    force_g = float(max(contact, 0.0) ** (1.0 / GROWTH))
+    return max((force_g - touch_g) / (press_g - touch_g), LEAST_PRESSURE)
 
 
 def force(pressure: float, states: TouchStates) -> float:

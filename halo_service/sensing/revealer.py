@@ -20,6 +20,8 @@ class Revealed:
     """(H, W) the surface seems dented here."""
     hand: NDArray[np.bool_]
     """(H, W) something stands above the surface here."""
+    free: NDArray[np.bool_]
+    """(H, W) nothing does."""
 
 
 def reveal(
@@ -31,4 +33,4 @@ def reveal(
     """
     halo = excess_mm > (settings.halo_threshold_mm or measured_mm)
     hand = excess_mm < -settings.hand_threshold_mm
-    return Revealed(excess_mm, halo, hand)
+    return Revealed(excess_mm, halo, hand, ~hand)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from halo_service.sensing.sightings import Fingers
+
 
 @dataclass(frozen=True, slots=True)
 class SensingSettings:
@@ -18,8 +20,10 @@ class SensingSettings:
     """Up to this height above the surface a fingertip is a pointer."""
     edge_margin_mm: float = 20.0
     """A pointer may leave the surface by this much."""
+    fingers: Fingers = "index"
+    """Which are pointers: the index fingers alone, or every extended finger."""
     lost_after_ms: float = 250.0
-    """A finger that the tracker has not seen for so long is gone (chosen: a few tracker frames)."""
+    """A finger that the depth has not shown for so long is gone (chosen: a few frames)."""
     down_departure: float = 0.2
     """How far the level (0 subtle, 1 touch) departs from its baseline at a touch (chosen: several
     times the level's noise, and what a flat finger's weaker halo still reaches)."""

@@ -46,10 +46,12 @@ def hold() -> Hold:
                 100.0 + rng.normal(0.0, 0.5),
                 45.0,
                 0.0,
-                14.0,
+                26.0 if state == "hover" else 9.0,
                 max(raw + rng.normal(0.0, noise), 0.0),
                 0.0,
                 5,
+                raw / 200.0,
+                13.0,
             )
             for n in range(count)
         )

@@ -25,7 +25,10 @@ def test_states_are_medians_with_what_was_stated(hold: Hold) -> None:
     assert (states.hover.height_mm, states.hover.stated) == (12.0, True)
     assert (states.pressure.force_g, states.pressure.stated) == (250.0, True)
     assert (states.touch.force_g, states.touch.stated) == (25.0, False)
+    # Off the hover state, 12 mm up: nearer to the surface the halo lifts what the camera reads.
     assert states.finger_thickness_mm == 14.0
+    assert states.tip_radius_mm == 6.5
+    assert [getattr(states, name).dent_mm for name in STATES] == [1.5, 7.5, 11.0, 14.0]
     assert quality == "good"
     assert apart > 6.0
 

@@ -8,9 +8,13 @@ import cv2
 import numpy as np
 import pytest
 
-from halo_service.sensing.outline import outline, stands_out
+from halo_service.sensing.outline import Outline, stands_out
+from halo_service.sensing.outline import outline as outline_of
+from halo_service.sensing.revealer import reveal
+from halo_service.sensing.settings import SensingSettings
 
 RADIUS_PX = 7.0
+SETTINGS = SensingSettings()
 END = (320.0, 288.0)
 TIMES = 8
 """Drawn so many times larger, then averaged: edges lie between pixels as a camera sees them."""
@@ -34,6 +38,16 @@ def finger(
     if noise_mm:
         picture += np.random.default_rng(1).normal(0.0, noise_mm, picture.shape).astype(np.float32)
     return picture
+
+
+def outline(
+    picture: np.ndarray,
+    depth: np.ndarray,
+    guess: tuple[float, float],
+    direction: tuple[float, float],
+    radius_px: float,
+) -> Outline | None:
+    return outline_of(reveal(picture, SETTINGS, 8.0), depth, guess, direction, radius_px)
 
 
 MEASURED = np.full((576, 640), 500, np.uint16)

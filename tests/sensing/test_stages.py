@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from halo_service.profile import Background, Profile
+from halo_service.profile import Background, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
+from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import Detector, detect
-from halo_service.sensing.extraction import extract
+from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.outline import silhouette_end
 from halo_service.sensing.pressure import force, touch_pressure
@@ -19,6 +23,7 @@ from halo_service.sensing.states import interpolate, touch_level
 from halo_service.values import Finger, Fingertip, Side, Signal
 
 SETTINGS = SensingSettings()
+NAN = math.nan
 FRAME_US = 33_333
 
 
@@ -26,6 +31,16 @@ def tip_at(x: float, y: float, top_mm: float = 14.0) -> Fingertip:
     return Fingertip(
         Side.RIGHT, Finger.INDEX, (x, y), (x, y + 25), (0, 0), (0, 0, 500), top_mm, 45, 0, 1
     )
+
+
+@pytest.fixture
+def dented(profile: Profile) -> TouchStates:
+    """The drawn states with their dents."""
+    assert profile.touch is not None
+    dents = {"hover": 5.0, "subtle": 10.0, "touch": 11.0, "pressure": 15.0}
+    states = profile.touch
+    held = {name: replace(getattr(states, name), dent_mm=dent) for name, dent in dents.items()}
+    return replace(states, **held)
 
 
 @pytest.mark.parametrize(
@@ -53,19 +68,42 @@ def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: b
 
 
 @pytest.mark.parametrize(
-    ("x", "y", "pixels"),
-    [(320, 288, 600), (0, 0, 150), (639, 575, 11 * 16), (-100, 50, 0), (320, 900, 0)],
-    ids=["inside", "top left corner", "bottom right corner", "left of it", "below it"],
+    ("x", "y", "share"),
+    [(320, 288, 1.0), (0, 0, 1.0), (639, 575, 1.0), (-12, 50, 60 / LEAST_FREE_PX), (-100, 50, 0.0)],
+    ids=["inside", "top left corner", "bottom right corner", "almost outside", "outside"],
 )
-def test_the_patch_is_cut_at_the_images_edge(x: float, y: float, pixels: int) -> None:
+def test_what_is_left_of_a_patch_stands_for_all_of_it(x: float, y: float, share: float) -> None:
     revealed = reveal(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
-    assert extract(revealed, tip_at(x, y)) == pytest.approx(10.0 * pixels)
+    signal = extract(revealed, tip_at(x, y))
+    assert signal == pytest.approx(share * 10.0 * FREE_PX)
+
+
+@pytest.mark.parametrize("hidden", [slice(0, 0), slice(278, 283), slice(288, 298)])
+def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
+    excess = np.full((576, 640), 10.0, np.float32)
+    excess[hidden] = -30.0
+    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert signal == pytest.approx(10.0 * FREE_PX)
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 30.0, 90.0, -135.0])
+def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> None:
+    rows, columns = np.mgrid[:576, :640]
+    yaw = np.radians(yaw_deg)
+    along = (columns - 320) * np.sin(yaw) - (rows - 288) * np.cos(yaw)
+    across = (columns - 320) * np.cos(yaw) + (rows - 288) * np.sin(yaw)
+    dent = (along > -10) & (along <= 10) & (across >= -15) & (across < 15)
+    revealed = reveal(np.where(dent, 10.0, 0.0).astype(np.float32), SETTINGS, 8.0)
+    joint = (320.0 - 25.0 * np.sin(yaw), 288.0 + 25.0 * np.cos(yaw))
+    tip = replace(tip_at(320, 288), distal_px=joint)
+    assert extract(revealed, tip) == pytest.approx(10.0 * FREE_PX, rel=0.07)
 
 
 def test_pixels_under_the_threshold_are_not_summed() -> None:
     excess = np.full((576, 640), 7.9, np.float32)
     excess[288, 320] = 12.0
-    assert extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288)) == pytest.approx(12.0)
+    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert signal == pytest.approx(12.0 * FREE_PX / 600)
 
 
 def test_interpolation_is_the_papers_equation() -> None:
@@ -154,34 +192,101 @@ def test_an_up_that_was_doubted_tells_when_it_really_was() -> None:
 
 
 @pytest.mark.parametrize(
-    ("signal", "line_px", "top_mm", "height_mm"),
+    ("dent_mm", "top_mm", "height_mm"),
     [
-        (500.0, 6, 24.0, 10.0),
-        (1500.0, 9, 15.0, 1.0),
-        (1000.0, 8, 19.0, 5.5),
-        (9999.0, 9, 14.0, 0.0),
-        (200.0, 3, 26.0, 12.5),
-        (0.0, 0, 44.0, 30.0),
-        (0.0, 0, float("nan"), 15.0),
+        (5.0, 24.0, 10.0),
+        (10.0, 15.0, 1.0),
+        (11.0, 14.0, 0.0),
+        (99.0, 14.0, 0.0),
+        (5.0, 99.0, 10.0),
+        (0.0, 44.0, 30.0),
+        (-0.2, 44.0, 30.0),
+        (NAN, 44.0, 30.0),
+        (NAN, 10.0, 0.0),
+        (NAN, NAN, 21.0),
     ],
-    ids=["hover", "subtle", "between", "never negative", "line", "own depth", "unmeasured"],
+    ids=[
+        "hover",
+        "subtle",
+        "touch",
+        "never negative",
+        "the halo is surer than the depth",
+        "above the halo its own depth",
+        "noise is no halo",
+        "the halo is hidden",
+        "hidden and low",
+        "nothing is measured",
+    ],
 )
-def test_hover(
-    profile: Profile, signal: float, line_px: int, top_mm: float, height_mm: float
-) -> None:
-    assert profile.touch is not None
+def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: float) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(Signal(signal, signal, line_px), tip, profile.touch) == height_mm
+    assert hover_height(Signal(0.0, 0.0, dent_mm), tip, dented) == pytest.approx(height_mm)
+
+
+def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
+    dented: TouchStates,
+) -> None:
+    # The finger's own depth is 3 mm off, as it may be; the halo fades in below the onset.
+    dents = [0.0] * 10 + [0.02 * n for n in range(551)]
+    own = [35.0 + 3.0 - n for n in range(10)] + [24.0] * 551
+    tips = [tip_at(320, 288, 14.0 + mm) for mm in own]
+    heights = [
+        hover_height(Signal(0.0, 0.0, d), t, dented) for d, t in zip(dents, tips, strict=True)
+    ]
+    falls = -np.diff(heights)
+    assert np.all(falls >= -1e-9)
+    assert falls.max() <= 5.0
+    assert heights[-1] == 0.0
+
+
+def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:
+    assert profile.touch is not None
+    assert hover_height(Signal(900.0, 900.0, 7.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
 
 
 @pytest.mark.parametrize(
     ("signal", "pressure", "grams"),
-    [(2000.0, 0.02, 25.0), (1800.0, 0.02, 25.0), (2500.0, 0.5, 112.5), (4000.0, 2.0, 375.0)],
+    [
+        (2000.0, 0.02, 25.0),
+        (1800.0, 0.02, 25.0),
+        (-9e9, 0.02, 25.0),
+        (2500.0, 0.4054, 95.9),
+        (3000.0, 1.0, 200.0),
+        (4000.0, 2.6594, 490.4),
+    ],
 )
-def test_pressure_and_force(profile: Profile, signal: float, pressure: float, grams: float) -> None:
+def test_pressure_and_force(
+    profile: Profile, dented: TouchStates, signal: float, pressure: float, grams: float
+) -> None:
     assert profile.touch is not None
-    assert touch_pressure(signal, profile.touch) == pytest.approx(pressure)
-    assert force(pressure, profile.touch) == pytest.approx(grams)
+    by_sum = touch_pressure(Signal(signal, signal, NAN), dented)
+    by_dent = touch_pressure(Signal(0.0, 0.0, 11.0 + (signal - 2000.0) / 250.0), dented)
+    assert (by_sum, by_dent) == pytest.approx((pressure, pressure), abs=0.001)
+    assert touch_pressure(Signal(signal, signal, 3.0), profile.touch) == by_sum
+    assert force(by_sum, profile.touch) == pytest.approx(grams, abs=0.1)
+
+
+def test_pressure_grows_with_the_halo(dented: TouchStates) -> None:
+    pressures = [touch_pressure(Signal(0.0, 0.0, 11.2 + 0.1 * n), dented) for n in range(80)]
+    assert np.all(np.diff(pressures) > 0.0)
+
+
+@pytest.mark.parametrize("around", [0.0, 12.0, -60.0])
+def test_the_dent_is_read_beside_the_finger_and_nowhere_else(around: float) -> None:
+    rows, columns = np.mgrid[:576, :640]
+    away = np.hypot(rows - 295.0, columns - 320.0)  # the middle of a round tip that ends at 288
+    excess = np.full((576, 640), around, np.float32)
+    excess[away < 15.0] = 6.0
+    excess[away < 8.5] = -14.0
+    excess[rows > 296] = -30.0
+    tip = replace(tip_at(320, 288), distal_px=(320.0, 313.0))
+    assert dent_beside(reveal(excess, SETTINGS, 8.0), tip) == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize(("x", "y"), [(320.0, 288.0), (-90.0, 288.0), (320.0, 900.0)])
+def test_a_hidden_dent_is_not_guessed(x: float, y: float) -> None:
+    hidden = reveal(np.full((576, 640), -40.0, np.float32), SETTINGS, 8.0)
+    assert math.isnan(dent_beside(hidden, tip_at(x, y)))
 
 
 def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() -> None:

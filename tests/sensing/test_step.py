@@ -11,6 +11,7 @@ import pytest
 from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings, State, adopt, clear, start, step
 from halo_service.values import Frame, Touch, TouchFrame, Tracked
+from tests.drawn import PER_DENT_MM
 
 FRAME_US = 33_333
 Draw = Callable[..., Frame]
@@ -32,7 +33,7 @@ def play(
 
 def dents(*depths_mm: int) -> list[float]:
     """Signals of dents this deep, mm; under the halo's threshold of 8 mm there is none."""
-    return [depth * 240.0 for depth in depths_mm]
+    return [depth * PER_DENT_MM for depth in depths_mm]
 
 
 def kinds(told: Sequence[TouchFrame]) -> list[tuple[int, str]]:
@@ -41,14 +42,14 @@ def kinds(told: Sequence[TouchFrame]) -> list[tuple[int, str]]:
 
 @pytest.fixture
 def deep(profile: Profile) -> Profile:
-    """The four states as dents of 9, 10, 12 and 16 mm over 240 pixels, which can be drawn."""
+    """The four states as dents of 9, 10, 12 and 16 mm, which can be drawn."""
     from dataclasses import replace
 
     assert profile.touch is not None
-    levels = dict(zip(("hover", "subtle", "touch", "pressure"), dents(9, 10, 12, 16), strict=True))
+    levels = {"hover": 9, "subtle": 10, "touch": 12, "pressure": 16}
     states = {
-        name: replace(getattr(profile.touch, name), signal=signal)
-        for name, signal in levels.items()
+        name: replace(getattr(profile.touch, name), signal=dents(deep)[0], dent_mm=float(deep))
+        for name, deep in levels.items()
     }
     return replace(profile, touch=replace(profile.touch, **states))
 
@@ -81,8 +82,10 @@ def test_pressure_is_one_at_the_calibrated_press_and_goes_on(
 ) -> None:
     told, _ = play(deep, draw, see, dents(9, 9, 12, 14, 16, 18))
     pressures = [frame.pointers[0].pressure for frame in told]
-    assert pressures == pytest.approx([0.0, 0.0, 0.02, 0.5, 1.0, 1.5])
-    assert [frame.pointers[0].force_g for frame in told[2:5]] == pytest.approx([25.0, 112.5, 200.0])
+    assert pressures == pytest.approx([0.0, 0.0, 0.02, 0.4054, 1.0, 1.7567], abs=1e-4)
+    assert [frame.pointers[0].force_g for frame in told[2:5]] == pytest.approx(
+        [25.0, 95.9, 200.0], abs=0.1
+    )
 
 
 def test_the_down_frame_is_where_the_finger_is(deep: Profile, draw: Draw, see: See) -> None:
@@ -133,16 +136,29 @@ def test_out_of_reach_is_no_pointer(
     assert told.pointers == ()
 
 
-def test_a_hand_that_is_lost_lets_its_touch_go(deep: Profile, draw: Draw, see: See) -> None:
+def test_a_hand_that_leaves_lets_its_touch_go(deep: Profile, draw: Draw, see: See) -> None:
     told, state = play(deep, draw, see, dents(9, 9, 12, 12))
     assert told[-1].pointers[0].state is Touch.TOUCH
     kinds_seen: list[str] = []
     for n in range(4, 14):
-        frame = draw(signal=dents(12)[0], time_us=n * FRAME_US)
+        frame = draw(tip=(320.0, 700.0), time_us=n * FRAME_US)
         result, state = step(state, frame, Tracked(n * FRAME_US, ()))
         kinds_seen += [event.kind for event in result.events]
     assert kinds_seen == ["up"]
     assert result.pointers == ()
+
+
+def test_a_touch_that_the_depth_shows_outlives_a_tracker_that_lost_the_hand(
+    deep: Profile, draw: Draw, see: See
+) -> None:
+    told, state = play(deep, draw, see, dents(9, 9, 12, 12))
+    for n in range(4, 64):
+        tip = (320.0 + 2.0 * n, 288.0)
+        frame = draw(tip=tip, signal=dents(12)[0], time_us=n * FRAME_US)
+        result, state = step(state, frame, Tracked(n * FRAME_US, ()))
+        assert [pointer.state for pointer in result.pointers] == [Touch.TOUCH]
+        assert result.pointers[0].diagnostics.tip_px[0] == pytest.approx(tip[0], abs=2.0)
+    assert result.pointers[0].id == told[0].pointers[0].id
 
 
 def test_a_frame_that_cannot_be_sensed_lets_all_go(deep: Profile, draw: Draw, see: See) -> None:

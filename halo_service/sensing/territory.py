@@ -1,0 +1,152 @@
+"""Whose pixel is it: what of hand and halo belongs to one finger, where others are near.
+
+A silhouette holds all fingers at once, and the halos of neighbours melt together. Each pixel is
+the nearest finger's; and what stands much higher than a fingertip just did is another part of
+the hand.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.sightings import Pixel
+
+REACH_PX = 52
+"""Half the window that is looked at: a flat finger's last two segments (`ridge`)."""
+FINGER_PX = 34.0
+"""Length of a finger's line back from its tip, for telling whose a pixel is (chosen: 3.4 cm)."""
+RISE_MM = 20.0
+"""A fingertip's upper side rises by less in a frame (chosen: people lift at 0.4 m/s)."""
+TIP_PX = 8.0
+"""Only so far behind the tip the height is looked at: farther back a finger is high itself."""
+NOBODY = 255
+FAR = np.float32(1e9)
+STRIP_PX = 6.0
+"""Half the breadth of the strip in which a finger's end is sought."""
+LEAST_PX = 20
+"""Fewer pixels are noise."""
+BACK_PX = np.arange(5.0, 15.0, 2.0)
+ACROSS_PX = np.arange(-14.0, 15.0)
+"""Where a finger's breadth is looked at: behind its round tip, and wider than it is."""
+BREADTH_PX = (4.0, 24.0)
+"""Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with room)."""
+
+Owners = NDArray[np.uint8]
+Box = tuple[slice, slice]
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """Where a finger should be in the present frame."""
+
+    tip_px: Pixel
+    direction: Pixel
+    """Unit vector from joint to tip."""
+    top_mm: float
+    """Height of its upper side when it was last seen; nan where unknown."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shares:
+    """Whose each pixel is: the finger's number, or `NOBODY`."""
+
+    halo: Owners
+    """(H, W) by the way to a finger's line from its tip on."""
+    hand: Owners
+    """(H, W) by the way to the line from a little behind the tip: what lies beyond a tip is flesh
+    of the finger beside, rather than of one that was expected farther out than it is."""
+
+
+def share(fingers: Sequence[Expected], shape: tuple[int, ...]) -> Shares:
+    """Give each pixel around the fingers to the nearest of them. `shape`: (H, W)."""
+    return Shares(_nearest(fingers, shape, 0.0), _nearest(fingers, shape, TIP_PX))
+
+
+def territory(revealed: Revealed, shares: Shares, number: int, place: Expected) -> Revealed:
+    """Return the scene around a place, with nothing in it that is another finger's."""
+    box = _box(place, revealed.hand.shape)
+    halo, hand, free = (np.zeros(revealed.hand.shape, np.bool_) for _ in range(3))
+    open_to_it = _open(shares.halo[box], number)
+    np.logical_and(revealed.halo[box], open_to_it, out=halo[box])
+    np.logical_and(revealed.free[box], open_to_it, out=free[box])
+    np.logical_and(revealed.hand[box], _open(shares.hand[box], number), out=hand[box])
+    if not math.isnan(place.top_mm):
+        dx, dy = _from(place.tip_px, box)
+        ahead = dx * np.float32(place.direction[0]) + dy * np.float32(place.direction[1])
+        high = -revealed.excess_mm[box] > place.top_mm + RISE_MM
+        hand[box] &= ~(high & (ahead > -TIP_PX))
+    return replace(revealed, halo=halo, hand=hand, free=free)
+
+
+def strip_end(hand: NDArray[np.bool_], place: Expected) -> Pixel:
+    """Return where the strip of hand along a finger's line ends, the expected tip where none is.
+
+    It finds a tip that went farther along the finger than expected.
+    """
+    box = _box(place, hand.shape)
+    dx, dy = (
+        np.broadcast_to(each, hand[box].shape)[hand[box]] for each in _from(place.tip_px, box)
+    )
+    ux, uy = place.direction
+    along = (dx * ux + dy * uy)[np.abs(dy * ux - dx * uy) <= STRIP_PX]
+    if along.size < LEAST_PX:
+        return place.tip_px
+    end = float(np.partition(along, -LEAST_PX)[-LEAST_PX])
+    return place.tip_px[0] + end * ux, place.tip_px[1] + end * uy
+
+
+def is_finger(hand: NDArray[np.bool_], tip: Pixel, direction: Pixel) -> bool:
+    """Say whether what ends at a tip is as broad as a finger.
+
+    `hand`: (H, W) mask; `direction`: unit vector from joint to tip.
+    """
+    dx, dy = direction
+    x = np.rint(tip[0] - BACK_PX[:, None] * dx - ACROSS_PX * dy).astype(np.intp)
+    y = np.rint(tip[1] - BACK_PX[:, None] * dy + ACROSS_PX * dx).astype(np.intp)
+    height, width = hand.shape
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    seen = hand[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] & inside
+    breadth = float(np.median(np.count_nonzero(seen, axis=1)))
+    return BREADTH_PX[0] <= breadth <= BREADTH_PX[1]
+
+
+def _nearest(fingers: Sequence[Expected], shape: tuple[int, ...], from_px: float) -> Owners:
+    """Return the number of each pixel's nearest line; the lines begin `from_px` behind the tips."""
+    owners = np.full(shape, NOBODY, np.uint8)
+    away = np.full(shape, FAR, np.float32)
+    for number, finger in enumerate(fingers):
+        box = _box(finger, shape)
+        dx, dy = _from(finger.tip_px, box)
+        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
+        back = np.clip(-(dx * ux + dy * uy), np.float32(from_px), np.float32(FINGER_PX))
+        own = (dx + back * ux) ** 2 + (dy + back * uy) ** 2
+        nearer = own < away[box]
+        np.copyto(away[box], own, where=nearer)
+        owners[box][nearer] = number
+    return owners
+
+
+def _open(owners: Owners, number: int) -> NDArray[np.bool_]:
+    return np.asarray((owners == number) | (owners == NOBODY))
+
+
+def _box(place: Expected, shape: tuple[int, ...]) -> Box:
+    column, row = round(place.tip_px[0]), round(place.tip_px[1])
+    rows = slice(min(max(row - REACH_PX, 0), shape[0]), min(max(row + REACH_PX, 0), shape[0]))
+    columns = slice(
+        min(max(column - REACH_PX, 0), shape[1]), min(max(column + REACH_PX, 0), shape[1])
+    )
+    return rows, columns
+
+
+def _from(tip: Pixel, box: Box) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return x, (1, w), and y, (h, 1), of a box's pixels from a tip, px."""
+    x = np.arange(box[1].start, box[1].stop, dtype=np.float32) - np.float32(tip[0])
+    y = np.arange(box[0].start, box[0].stop, dtype=np.float32) - np.float32(tip[1])
+    return x[None, :], y[:, None]

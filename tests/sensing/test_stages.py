@@ -10,7 +10,7 @@ import pytest
 from halo_service.profile import Background, Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
-from halo_service.sensing.detector import Detector, detect
+from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.fingertips import silhouette_end
 from halo_service.sensing.hover import hover_height
@@ -148,7 +148,7 @@ def test_long_hovering_close_by_does_not_hide_the_next_touch() -> None:
 
 def test_the_moment_of_contact_lies_between_the_frames() -> None:
     down = levels(-1.0, 0.1, 1.0)[-1]
-    assert down.ago_us == pytest.approx(FRAME_US * (1.0 - SETTINGS.down_level) / 0.9, abs=1)
+    assert down.ago_us == pytest.approx(FRAME_US * (1.0 - CONTACT_LEVEL) / 0.9, abs=1)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from halo_calibration import steps
 from halo_calibration.background import WANTED_FRAMES
+from halo_calibration.boards import Printed
 from halo_calibration.errors import NO_HALO, Refused
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.session import Session
@@ -31,10 +32,17 @@ class Cue(NamedTuple):
     """What the person shall do now; a virtual user takes it by its name."""
 
     name: str
-    """background, hover, subtle, touch, pressure, sweep, or pilot."""
+    """background, hover, subtle, touch, pressure, sweep or pilot; sheet, corner, board, cross or
+    marker."""
     words: str
     pitch_deg: float = 45.0
     """The wedge's."""
+    number: int = 0
+    """Which corner."""
+    at_px: tuple[float, float] = (0.0, 0.0)
+    """Where a cross is, in the projector's pixels."""
+    board: Printed | None = None
+    """What lies on the table."""
 
 
 CUES = {
@@ -64,8 +72,8 @@ class Guide(Protocol):
     def say(self, words: str) -> None:
         """Say how something went."""
 
-    def live(self, seconds_left: float, measuring: bool, seen: Observation | None) -> None:
-        """Show the count-down and the signal."""
+    def live(self, seconds_left: float, measuring: bool, seen: Observation | str | None) -> None:
+        """Show the count-down, and the finger's signal or what else is seen, in words."""
 
     def map(self, lines: list[str]) -> None:
         """Show what of the surface is covered."""
@@ -83,28 +91,28 @@ class Guided:
         hold_s: float = HOLD_S,
     ) -> None:
         """`look_with` gives a hand tracker for the profile as far as it is known."""
-        self._setup = setup
-        self._session = session
-        self._guide = guide
+        self.setup = setup
+        self.session = session
+        self.guide = guide
         self._look_with = look_with
         self._hold_s = hold_s
-        self._left_s = 0.0
+        self.left_s = 0.0
 
     def background(self) -> Change:
         """Take the empty surface."""
         look = self._look_with(None)
 
         def attempt() -> Change:
-            self._guide.tell(CUES["background"])
-            for _ in self._timed("background", READY_S):
-                self._guide.live(self._left_s, False, None)
+            self.guide.tell(CUES["background"])
+            for _ in self.timed("background", READY_S):
+                self.guide.live(self.left_s, False, None)
             frames = []
-            for frame in self._timed("background", WANTED_FRAMES / self._setup.camera.fps):
-                self._guide.live(self._left_s, True, None)
+            for frame in self.timed("background", WANTED_FRAMES / self.setup.camera.fps):
+                self.guide.live(self.left_s, True, None)
                 frames.append(frame)
-            return steps.background_change(self._setup, frames, look)
+            return steps.background_change(self.setup, frames, look)
 
-        return self._until_good(attempt)
+        return self.until_good(attempt)
 
     def touch(self, profile: Profile) -> Change:
         """Take the four states; a state that is not still is done again at once, the set once
@@ -117,10 +125,10 @@ class Guided:
             return held
 
         def attempt() -> Change:
-            helds = {state: self._until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
-            return steps.touch_change(self._setup, helds)
+            helds = {state: self.until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
+            return steps.touch_change(self.setup, helds)
 
-        return self._until_good(attempt)
+        return self.until_good(attempt)
 
     def sweep(self, profile: Profile) -> Change:
         """Take the sweep."""
@@ -128,59 +136,59 @@ class Guided:
 
         def attempt() -> Change:
             swept = self.swept(CUES["sweep"], SWEEP_S, observer, profile)
-            return steps.sweep_change(self._setup, swept, profile)
+            return steps.sweep_change(self.setup, swept, profile)
 
-        return self._until_good(attempt)
+        return self.until_good(attempt)
 
     def swept(self, cue: Cue, seconds: float, observer: Observer, profile: Profile) -> Swept:
         """Let the person sweep once, with the live map of what is covered."""
-        self._guide.tell(cue)
+        self.guide.tell(cue)
         self._ready(cue.name, observer)
         seen: list[Observation] = []
 
         def watch(observation: Observation | None) -> None:
             if observation is not None:
                 seen.append(observation)
-            self._guide.map(draw_map(covered(samples_of(seen), profile.surface)))
-            self._guide.live(self._left_s, True, observation)
+            self.guide.map(draw_map(covered(samples_of(seen), profile.surface)))
+            self.guide.live(self.left_s, True, observation)
 
-        frames = self._timed(cue.name, seconds)
-        return steps.sweep(frames, self._session.wanted(seconds), observer, watch)
+        frames = self.timed(cue.name, seconds)
+        return steps.sweep(frames, self.session.wanted(seconds), observer, watch)
 
     def observer(self, profile: Profile) -> Observer:
         """Return an observer that stands on a profile's background."""
-        setup = self._setup
+        setup = self.setup
         return Observer(profile, self._look_with(profile), setup.settings, setup.side)
 
     def _held(self, state: str, observer: Observer) -> Held:
-        self._guide.tell(CUES[state])
+        self.guide.tell(CUES[state])
         self._ready(state, observer)
-        wanted = self._session.wanted(self._hold_s)
+        wanted = self.session.wanted(self._hold_s)
 
         def watch(observation: Observation | None) -> None:
-            self._guide.live(self._left_s, True, observation)
+            self.guide.live(self.left_s, True, observation)
 
-        return steps.hold(state, self._timed(state, self._hold_s), wanted, observer, watch)
+        return steps.hold(state, self.timed(state, self._hold_s), wanted, observer, watch)
 
     def _ready(self, during: str, observer: Observer) -> None:
         """Count down, with the live signal."""
-        for frame in self._timed(during, READY_S):
-            self._guide.live(self._left_s, False, observer.see(frame))
+        for frame in self.timed(during, READY_S):
+            self.guide.live(self.left_s, False, observer.see(frame))
 
-    def _timed(self, during: str, seconds: float) -> Iterator[Frame]:
+    def timed(self, during: str, seconds: float) -> Iterator[Frame]:
         """Yield frames for a while, and keep how much of it is left."""
         first_us: int | None = None
-        for frame in self._session.lasting(seconds, during):
+        for frame in self.session.lasting(seconds, during):
             first_us = frame.time_us if first_us is None else first_us
-            self._left_s = seconds - (frame.time_us - first_us) / 1e6
+            self.left_s = seconds - (frame.time_us - first_us) / 1e6
             yield frame
 
-    def _until_good(self, attempt: Callable[[], T]) -> T:
+    def until_good(self, attempt: Callable[[], T]) -> T:
         for left in reversed(range(ATTEMPTS)):
             try:
                 return attempt()
             except Refused as refused:
                 if left == 0 or NO_HALO in str(refused):
                     raise
-                self._guide.say(f"{refused}.")
+                self.guide.say(f"{refused}.")
         raise AssertionError("the last attempt returns or raises")

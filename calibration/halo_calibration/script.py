@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from halo_calibration.boards import FAMILIES
 from halo_calibration.touch import STATES, Stated
 from halo_service.errors import UserError
 
 NEEDED = ("step", "from_s", "to_s")
 FIELDS: dict[str, tuple[str, ...]] = {
     "background": (),
-    "surface": ("width_mm", "height_mm"),
+    "surface": ("by", "width_mm", "height_mm"),
+    "projector": ("by", "width_px", "height_px"),
+    "anchor": ("family", "marker", "size_mm"),
     "hover": ("height_mm",),
     "subtle": ("height_mm",),
     "touch": ("force_g",),
@@ -27,6 +30,12 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "sweep": ("force_g",),
 }
 """The steps a script may name, and what each may say beside its times."""
+WORDS: dict[tuple[str, str], tuple[str, ...]] = {
+    ("surface", "by"): ("view", "markers", "touch"),
+    ("projector", "by"): ("markers", "gray", "touch"),
+    ("anchor", "family"): tuple(FAMILIES),
+}
+"""Fields that are words, and which; all others are numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +46,9 @@ class Line:
     from_s: float
     to_s: float
     fields: dict[str, float]
-    """Of those in `FIELDS`."""
+    """Numbers of those in `FIELDS`."""
+    words: dict[str, str] = field(default_factory=dict)
+    """And those that are words."""
 
 
 def read_script(path: Path) -> tuple[Line, ...]:
@@ -97,11 +108,26 @@ def _line(data: Any, name: str) -> Line:
         if key not in NEEDED and key not in FIELDS[step]:
             known = ", ".join((*NEEDED, *FIELDS[step]))
             raise UserError(f"the script {name}: '{step}' has no field '{key}'; known: {known}")
-    numbers = {key: _number(data[key], key, step, name) for key in data if key != "step"}
+    words = {key: _word(data[key], key, step, name) for key in data if (step, key) in WORDS}
+    others = [key for key in data if key != "step" and key not in words]
+    numbers = {key: _number(data[key], key, step, name) for key in others}
     from_s, to_s = numbers.pop("from_s"), numbers.pop("to_s")
+    if step == "projector" and not {"width_px", "height_px"} <= numbers.keys():
+        raise UserError(
+            f"the script {name}: 'projector' needs width_px and height_px, the size of its picture"
+        )
     if not 0.0 <= from_s < to_s:
         raise UserError(f"the script {name}: '{step}' must end after it begins, from 0 s on")
-    return Line(step, from_s, to_s, numbers)
+    return Line(step, from_s, to_s, numbers, words)
+
+
+def _word(value: Any, key: str, step: str, name: str) -> str:
+    known = WORDS[step, key]
+    if value not in known:
+        raise UserError(
+            f"the script {name}: {key} of '{step}' must be one of {', '.join(known)}, not {value!r}"
+        )
+    return str(value)
 
 
 def _number(value: Any, key: str, step: str, name: str) -> float:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from halo_calibration import steps
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.script import Line, stated_in
+from halo_calibration.scripted_place import PLACED, placed
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_calibration.touch import STATES, Held, judge_held
@@ -50,8 +51,11 @@ class Scripted:
         if step == "background":
             change = steps.background_change(setup, list(frames), self._look_with(None))
             self._observer = None
-        elif step == "surface":
-            change = steps.surface_change(setup, **line.fields)
+        elif step in PLACED:
+            known = steps.require(profile, step)
+            change = placed(setup, line, frames, known, self._eye)
+            if step == "surface":
+                self._observer = None  # it told places in the old frame
         elif step in STATES:
             known = steps.require(profile, step)
             held = steps.hold(step, frames, wanted, self._eye(known), _nobody)

@@ -15,6 +15,7 @@ from halo_calibration.correction import Base, Reference, judge_correction, solve
 from halo_calibration.errors import Refused
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.plane import Plane, solve_plane, surface_from_view
+from halo_calibration.relaid import relaid
 from halo_calibration.sweep import (
     GOOD_COVERED,
     Samples,
@@ -72,7 +73,7 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
     record = StepRecord(
         setup.date,
         "good",
-        _rounded(frames=len(frames), noise_mm=noise_mm, measured_share=share),
+        rounded(frames=len(frames), noise_mm=noise_mm, measured_share=share),
     )
 
     def change(before: Profile | None) -> Profile:
@@ -87,7 +88,7 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
             # What was learnt over another plane holds no more.
             fresh = replace(
                 before, surface=surface, background=background, touch=None, by_hand={},
-                correction=None,
+                correction=None, projector=None, anchor=None,
             )  # fmt: skip
             steps = {"background": record}
         steps.setdefault("surface", _surface_record(setup, plane))
@@ -103,8 +104,7 @@ def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200
         known = require(before, "surface")
         plane = solve_plane(known.background, setup.camera)
         return replace(
-            known,
-            surface=surface_from_view(plane, width_mm, height_mm),
+            relaid(known, surface_from_view(plane, width_mm, height_mm), setup.base),
             steps={**known.steps, "surface": _surface_record(setup, plane)},
         )
 
@@ -134,7 +134,7 @@ def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
         record = StepRecord(
             setup.date,
             quality,
-            _rounded(
+            rounded(
                 separation_sigmas=apart,
                 **{f"{name}_mm_px": getattr(states, name).raw for name in helds},
             ),
@@ -169,7 +169,7 @@ def sweep_change(setup: Setup, swept: Swept, profile: Profile) -> Change:
     record = StepRecord(
         setup.date,
         "good" if good else "fair",
-        _rounded(
+        rounded(
             samples=len(samples),
             covered_share=share,
             variation_raw=fit.raw,
@@ -246,7 +246,7 @@ def _surface_record(setup: Setup, plane: Plane) -> StepRecord:
     return StepRecord(
         setup.date,
         "good" if good else "fair",
-        _rounded(
+        rounded(
             residual_mm=plane.residual_mm,
             left_out_share=plane.left_out,
             distance_mm=plane.distance_mm,
@@ -266,5 +266,6 @@ def _stated_note(stated: Stated) -> str:
     return "; ".join(part for part in parts if part)
 
 
-def _rounded(**figures: float) -> dict[str, float]:
+def rounded(**figures: float) -> dict[str, float]:
+    """Return a step's figures as they are kept."""
     return {name: round(float(value), 4) for name, value in figures.items()}

@@ -10,10 +10,12 @@ _ROWS = ("far", "", "near")
 _COLUMNS = ("left", "", "right")
 
 
-def place(x_share: float, y_share: float) -> str:
+def place(x_share: float, y_share: float, rows: tuple[str, str, str] = _ROWS) -> str:
     """Name a ninth of a picture; shares run from 0 (left, far) to 1 (right, near)."""
-    row = _ROWS[min(int(3.0 * y_share), 2)]
+    row = rows[min(int(3.0 * y_share), 2)]
     column = _COLUMNS[min(int(3.0 * x_share), 2)]
+    if row and not column:
+        return f"at the {row} edge"
     words = " ".join(word for word in (row, column) if word)
     return f"at the {words}" if words else "in the middle"
 

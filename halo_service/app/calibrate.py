@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -16,8 +16,9 @@ from halo_calibration.pilot import merged, pilot_rounds, pilot_samples
 from halo_calibration.script import read_script
 from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
-from halo_calibration.steps import STEPS, Change, Setup, require, surface_change
+from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.touch import Stated
+from halo_service.app.calibrate_place import PLACED, WAYS, PlaceWish, place
 from halo_service.app.config import Settings
 from halo_service.app.eyes import Eyes
 from halo_service.app.sources import decide, open_source
@@ -44,12 +45,19 @@ class Wish:
     side: Side = Side.UNKNOWN
     base: str = "auto"
     """Base model: a file, `none`, or `auto` for the camera's own."""
+    place: PlaceWish = field(default_factory=PlaceWish)
+    """How surface, projector and anchor are found."""
 
 
 def calibrate(settings: Settings, wish: Wish) -> Path:
     """Run one step or all that are missing; return the profile's folder."""
     if not settings.profile:
         raise UserError("calibrate: name the profile to make or go on with: --profile desk")
+    if wish.place.by is not None and wish.step not in WAYS:
+        raise UserError(
+            f"calibrate: --by goes with one of {', '.join(WAYS)}: halo calibrate surface --by "
+            f"{wish.place.by}"
+        )
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
         source = _source(settings, wish)
@@ -62,7 +70,7 @@ def calibrate(settings: Settings, wish: Wish) -> Path:
         if wish.script is not None:
             _by_script(setup, source, look_with, wish.script, folder)
         else:
-            _guided(setup, source, look_with, wish.step, folder)
+            _guided(setup, source, look_with, wish, folder)
         left = missing(load(folder))
         say = Terminal(None).say
         say(f"Still missing: {', '.join(left)}." if left else _next(settings))
@@ -73,13 +81,13 @@ def _guided(
     setup: Setup,
     source: Source,
     look_with: Callable[[Profile | None], Look],
-    step: str | None,
+    wish: Wish,
     folder: Path,
 ) -> None:
     terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
     guided = Guided(setup, Session(source), terminal, look_with)
     profile = load(folder) if exists(folder) else None
-    todo = [step] if step else missing(profile)
+    todo = [wish.step] if wish.step else missing(profile)
     if not todo:
         terminal.say(f"{folder} is complete; name a step to do it again, e.g. halo calibrate touch")
         return
@@ -87,18 +95,18 @@ def _guided(
     if isinstance(source, VirtualUser):
         terminal.say("There is no camera, so a virtual user follows the prompts.")
     for name in todo:
-        change = _one(name, guided, setup, profile)
+        change = _one(name, guided, source, wish, profile)
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
             terminal.say(told(each, profile.steps[each]))
 
 
-def _one(name: str, guided: Guided, setup: Setup, profile: Profile | None) -> Change:
+def _one(name: str, guided: Guided, source: Source, wish: Wish, profile: Profile | None) -> Change:
     if name == "background":
         return guided.background()
     known = require(profile, name)
-    if name == "surface":
-        return surface_change(setup)
+    if name in PLACED:
+        return place(name, guided, source, wish.place, known)
     return guided.touch(known) if name == "touch" else guided.sweep(known)
 
 
@@ -172,7 +180,8 @@ def _source(settings: Settings, wish: Wish) -> Source:
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.naming import wish as virtual
 
-        return VirtualUser(virtual(name).room)
+        # Boards are read from the colour picture as it is; hands are found in a smaller one.
+        return VirtualUser(virtual(name).room, colour_times=1 if wish.step in PLACED else 2)
     if name.startswith("recording:") and wish.script is None:
         raise UserError(
             "calibrate: nobody in a recording follows the prompts; say what happens when with "

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import halo_protocol as wire
-from halo_service.app import verbs
+from halo_service.app import evaluate_options, verbs
 
 EPILOG = """\
 examples:
@@ -17,6 +17,7 @@ examples:
   halo demo drums                           drums (or paint) without a camera
   halo monitor                              what a running service sends, in the terminal
   halo replay take.mkv --profile desk --jsonl take.jsonl
+  halo evaluate --quick                     how good the sensing is, on virtual people
 """
 
 
@@ -56,8 +57,24 @@ def parser() -> argparse.ArgumentParser:
         "calibrate", parents=[common], help="teach the service a place and a finger"
     )
     _calibrate_options(calibration)
+    _verify_options(
+        commands.add_parser(
+            "verify", parents=[common], help="touch a projected grid, and see how far off it is"
+        )
+    )
+    evaluate_options.add_to(
+        commands.add_parser("evaluate", parents=[common], help="how good the sensing is")
+    )
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
+    )
+    targets = commands.add_parser(
+        "targets", parents=[debug], help="write the sheets to print: surface and anchor, as PDF"
+    )
+    targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
+    targets.set_defaults(run=verbs.targets)
+    _bench_options(
+        commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
     )
     doctor = commands.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
     doctor.add_argument("--source", metavar="S", help="as for serve")
@@ -97,6 +114,9 @@ def _serve_options(verb: argparse.ArgumentParser) -> None:
 def _replay_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("recording", type=Path, metavar="RECORDING")
     verb.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
+    verb.add_argument(
+        "--method", default="ours", metavar="M", help="ours (default), paper, direct or wilson"
+    )
     verb.set_defaults(run=verbs.replay)
 
 
@@ -128,9 +148,10 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "step",
         nargs="?",
-        choices=("background", "surface", "touch", "sweep", "pilot"),
+        choices=("background", "surface", "touch", "sweep", "projector", "anchor", "pilot"),
         metavar="STEP",
-        help="background, surface, touch, sweep, or pilot; without one all that are missing",
+        help="background, surface, touch, sweep; projector, anchor, pilot; without one all of the "
+        "first four that are missing",
     )
     verb.add_argument("--source", metavar="S", help="as for serve")
     verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
@@ -142,7 +163,60 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
     verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
     verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
+    _place_options(verb)
     verb.set_defaults(run=verbs.calibrate)
+
+
+def _bench_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--hands", type=int, choices=(1, 2), help="look for so many (default: both by turns)"
+    )
+    verb.add_argument(
+        "--seconds", type=float, default=15.0, metavar="N", help="length of a take (default 15)"
+    )
+    verb.add_argument("--source", metavar="S", help="recording:FILE or sim[:SCENARIO]")
+    verb.add_argument("--json", metavar="FILE", help="write all figures; - for stdout")
+    verb.set_defaults(run=verbs.bench)
+
+
+def _place_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--by", metavar="WAY", help="surface: view, markers, touch; projector: markers, gray, touch"
+    )
+    verb.add_argument("--width-mm", type=float, default=300.0, metavar="MM", help="of the surface")
+    verb.add_argument("--height-mm", type=float, default=200.0, metavar="MM", help="of the surface")
+    _screen_options(verb)
+    verb.add_argument(
+        "--picture", type=Path, metavar="PNG", help="write the projector's picture instead"
+    )
+    verb.add_argument("--size-px", metavar="WxH", help="of that picture (default: 1920x1080)")
+    verb.add_argument("--marker", type=int, metavar="ID", help="the anchor's (default: 0)")
+    verb.add_argument("--size-mm", type=float, metavar="MM", help="side of its black square")
+    verb.add_argument("--family", metavar="F", help="apriltag-36h11 (default) or aruco-4x4")
+
+
+def _screen_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--display", type=int, default=0, metavar="N", help="which is the projector, from 0"
+    )
+    verb.add_argument("--window", action="store_true", help="a window instead of a whole display")
+
+
+def _verify_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument("--source", metavar="S", help="as for serve")
+    verb.add_argument(
+        "--from",
+        dest="service",
+        nargs="?",
+        const="osc://127.0.0.1:9000",
+        metavar="URL",
+        help="the fingers of a running service (default: osc://127.0.0.1:9000), not a source's",
+    )
+    _screen_options(verb)
+    verb.add_argument(
+        "--within-mm", type=float, default=5.0, metavar="MM", help="what 95 %% must keep to pass"
+    )
+    verb.set_defaults(run=verbs.verify)
 
 
 def _profile_options(verb: argparse.ArgumentParser) -> None:

@@ -36,6 +36,11 @@ def show(name: str) -> list[str]:
         f"surface {surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm",
         f"halo from {profile.halo_threshold_mm:g} mm on",
     ]
+    if profile.projector is not None:
+        lines.append(f"projector {profile.projector.width_px} x {profile.projector.height_px} px")
+    if profile.anchor is not None:
+        anchor = profile.anchor
+        lines.append(f"anchor {anchor.family} {anchor.marker}, {anchor.size_mm:g} mm")
     for step, record in profile.steps.items():
         figures = ", ".join(f"{key} {value:g}" for key, value in record.figures.items())
         note = f" ({record.note})" if record.note else ""

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 import halo_protocol as wire
 from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.wire import Wire
+from halo_service.profile import Profile, Projector
 from halo_service.runtime.vitals import Vitals
 from halo_service.sensing import DEFAULT_SURFACE, State
 from halo_service.values import SourceKind, TouchFrame
@@ -40,7 +44,7 @@ class Publisher:
         self._send("frame", self._frames.frame(told))
 
     def scene(self, state: State) -> None:
-        """Send the scene, and the pose where a profile knows it."""
+        """Send the scene, and pose and homography where a profile knows them."""
         node, session = self._frames.node, self._frames.session
         profile = state.profile
         _, width_mm, height_mm = DEFAULT_SURFACE
@@ -60,10 +64,11 @@ class Publisher:
             float(self._camera.fps),
         )
         self._send("scene", [wire.encode(self._surface, scene)])
-        if profile is not None:  # after the scene, whose revision it belongs to
-            matrix = tuple(float(x) for x in profile.surface.camera_from_surface[:3].ravel())
-            pose = wire.Pose(node, session, revision, matrix, (0.0,) * 12, anchored=0)
-            self._send("pose", [wire.encode(self._surface, pose)])
+        if profile is not None:  # after the scene, whose revision they belong to
+            self._send("pose", [wire.encode(self._surface, self._pose(profile))])
+            if profile.projector is not None:
+                homography = self._homography(profile, profile.projector)
+                self._send("homography", [wire.encode(self._surface, homography)])
 
     def health(self, vitals: Vitals) -> None:
         """Send how the service fares."""
@@ -80,6 +85,32 @@ class Publisher:
         )
         self._send("health", [wire.encode(self._surface, health)])
 
+    def _pose(self, profile: Profile) -> wire.Pose:
+        frames, anchor = self._frames, profile.anchor
+        return wire.Pose(
+            frames.node,
+            frames.session,
+            profile.revision,
+            _numbers(profile.surface.camera_from_surface[:3]),
+            (0.0,) * 12 if anchor is None else _numbers(anchor.anchor_from_surface[:3]),
+            anchored=int(anchor is not None),
+        )
+
+    def _homography(self, profile: Profile, projector: Projector) -> wire.Homography:
+        return wire.Homography(
+            self._frames.node,
+            self._frames.session,
+            profile.revision,
+            projector.width_px,
+            projector.height_px,
+            _numbers(projector.projector_from_surface),
+        )
+
     def _send(self, kind: str, datagrams: list[bytes]) -> None:
         for carrier in self._carriers:
             carrier.send(kind, datagrams)
+
+
+def _numbers(matrix: NDArray[np.float64]) -> tuple[float, ...]:
+    """Row by row, as the wire has them."""
+    return tuple(float(x) for x in matrix.ravel())

@@ -9,32 +9,34 @@ from pathlib import Path
 
 from halo_service.app.config import Settings
 from halo_service.app.files import written
+from halo_service.evaluation.rivals import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.lockstep import Look
 from halo_service.runtime.lockstep import replay as sensed
-from halo_service.sensing import start
 from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 
 NODE = "replay"
 
 
-def replay(recording: Path, out: str, settings: Settings) -> int:
+def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
     """Replay a recording into a file, or to the terminal for `-`; return the number of frames.
 
+    `method`: the name of who senses. Raises `UserError` for a name that nobody has.
     Without a profile the frames have no pointers. The file appears when it is complete.
     """
+    chosen = method_named(method)
     with closing(Recording(recording, realtime=False, loop=False)) as source:
         profile = load(profile_path(settings.profile)) if settings.profile else None
         if profile is not None:
             require_fit(profile, source.camera)
         session = session_of(recording)
-        state = start(profile, settings.sensing)
+        state = chosen.start(profile, settings.sensing)
         with _looking(source, profile, settings) as look, written(out) as file:
             count = 0
-            for told in sensed(source, look, state):
+            for told in sensed(source, look, chosen, state):
                 file.write(frame_line(told, NODE, session, count))
                 count += 1
     return count

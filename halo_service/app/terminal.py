@@ -40,13 +40,15 @@ class Terminal:
         self._wipe()
         print(words, file=sys.stderr)
 
-    def live(self, seconds_left: float, measuring: bool, seen: Observation | None) -> None:
-        """Draw the count-down and the signal."""
+    def live(self, seconds_left: float, measuring: bool, seen: Observation | str | None) -> None:
+        """Draw the count-down and the signal, or what else is seen."""
         if not self._drawn:
             return
         phase = "hold    " if measuring else "get ready"
         if seen is None:
             signal = "no finger seen"
+        elif isinstance(seen, str):
+            signal = seen
         else:
             self._most = max(self._most, seen.raw)
             filled = round(BAR * seen.raw / self._most)

@@ -8,8 +8,12 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from halo_service.errors import UserError
+
+if TYPE_CHECKING:
+    from halo_service.app.calibrate_place import PlaceWish
 
 
 def serve(options: argparse.Namespace) -> int:
@@ -57,7 +61,8 @@ def replay(options: argparse.Namespace) -> int:
 
     settings = load(options.config)
     profile = options.profile or settings.profile
-    count = sense(options.recording, options.jsonl, replace(settings, profile=profile))
+    settings = replace(settings, profile=profile)
+    count = sense(options.recording, options.jsonl, settings, options.method)
     print(f"halo: {count} frames", file=sys.stderr)
     return 0
 
@@ -115,7 +120,93 @@ def calibrate(options: argparse.Namespace) -> int:
     if options.step == "pilot":
         pilot(settings, options.rounds, options.round_s)
         return 0
-    teach(settings, Wish(options.step, options.script, stated, side, options.base))
+    wish = Wish(options.step, options.script, stated, side, options.base, _places(options))
+    teach(settings, wish)
+    return 0
+
+
+def _places(options: argparse.Namespace) -> PlaceWish:
+    """Say how surface, projector and anchor shall be found."""
+    from halo_calibration.boards import ANCHOR, anchor
+    from halo_service.app.calibrate_place import PlaceWish
+    from halo_service.app.screens import FILE_PX, ScreenWish, size_of
+
+    marker = anchor(
+        ANCHOR.family.name if options.family is None else options.family,
+        next(iter(ANCHOR.middles_mm)) if options.marker is None else options.marker,
+        ANCHOR.size_mm if options.size_mm is None else options.size_mm,
+    )
+    size_px = FILE_PX if options.size_px is None else size_of(options.size_px)
+    screen = ScreenWish(options.display, options.window, options.picture, size_px)
+    return PlaceWish(options.by, options.width_mm, options.height_mm, screen, marker)
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Exit code 0: all crossings were touched, and nearly; 1: they were not."""
+    from halo_service.app.config import load
+    from halo_service.app.screens import ScreenWish
+    from halo_service.app.verify import VerifyWish
+    from halo_service.app.verify import verify as look
+
+    settings = load(options.config)
+    source = replace(settings.source, name=options.source or settings.source.name)
+    settings = replace(settings, profile=options.profile or settings.profile, source=source)
+    screen = ScreenWish(options.display, options.window)
+    return look(settings, VerifyWish(screen, options.service, options.within_mm))
+
+
+def evaluate(options: argparse.Namespace) -> int:
+    """Run the study or judge a recording, and tell what came of it."""
+    from halo_service.app import evaluate as bench
+    from halo_service.app.config import load
+    from halo_service.app.evaluate_told import Telling, telling
+    from halo_service.app.first_light import first_light
+
+    settings = load(options.config)
+    settings = replace(settings, profile=options.profile or settings.profile)
+    with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
+        if options.live is not None:
+            source = replace(settings.source, name=options.source or settings.source.name)
+            recording, script = first_light(replace(settings, source=source), options.live)
+            recorded = bench.Recorded(recording, None, script, options.method)
+            tell(bench.evaluate_recording(settings, recorded))
+        elif options.recording is None:
+            asked = bench.Asked(
+                options.quick,
+                options.method,
+                options.users,
+                options.materials,
+                options.tasks,
+                options.labels,
+                options.keep,
+                options.kept_only,
+                options.jobs,
+            )
+            tell(bench.evaluate(settings, asked))
+        else:
+            recorded = bench.Recorded(
+                options.recording, options.truth, options.script, options.method
+            )
+            tell(bench.evaluate_recording(settings, recorded))
+    return 0
+
+
+def targets(options: argparse.Namespace) -> int:
+    """Write the printable sheets."""
+    from halo_calibration.targets import sheets
+    from halo_service.files import appearing
+
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+        for name, content in sheets().items():
+            with appearing(options.folder / name) as file:
+                file.write(content)
+            print(f"halo: {options.folder / name}", file=sys.stderr)
+    except OSError as error:
+        raise UserError(
+            f"'{options.folder}' cannot be written ({error.strerror or error}); choose another "
+            f"folder"
+        ) from error
     return 0
 
 
@@ -134,6 +225,19 @@ def profile(options: argparse.Namespace) -> int:
         print(options.out)
     else:
         print(profiles.import_profile(options.file, options.name))
+    return 0
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Measure how soon packets leave."""
+    from halo_service.app.bench import Asked
+    from halo_service.app.bench import bench as measure
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
+    measure(asked, settings)
     return 0
 
 

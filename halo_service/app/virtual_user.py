@@ -7,10 +7,14 @@ that a person reads; frames come as fast as they can be drawn, and time is their
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from halo_calibration.boards import Printed, marker_squares
 from halo_calibration.guided import Cue
 from halo_calibration.touch import Stated
 from halo_service.values import Frame, SourceKind
@@ -19,10 +23,11 @@ from halo_service.virtual.camera import FPS
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.motion import Performer, Segment
 from halo_service.virtual.plays.common import away
+from halo_service.virtual.props import Flat, printed
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
 from halo_service.virtual.sensor import Sensor
-from halo_service.virtual.skeleton import FingerPose, posed
-from halo_service.virtual.track import Track
+from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
+from halo_service.virtual.track import SWAY_MM, Track
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0
@@ -45,6 +50,22 @@ ROW_S = 2.8
 """Rows of a sweep, and how long each takes: somewhat less than the whole sweep, then back."""
 TURN_DEG = 25.0
 """How far the finger is turned to both sides meanwhile."""
+REST_S = 0.7
+"""How long it rests where it is asked to touch."""
+AIM_MM = 0.5
+"""How far beside the mark this person comes down, one sigma each way; chosen: a pen's point is set
+to 0.5 mm, and a finger hides the mark."""
+AREA = ((22.0, 14.0), (276.0, 24.0), (270.3, 173.9), (16.3, 163.9))
+"""The corners of what this person takes for their area, far left first: 254 x 150 mm, a little
+turned; on the room's surface, mm."""
+SHEET_AT = (155.0, 96.0, 3.0)
+"""Where they lay the surface sheet: its middle in mm, and its turn in degrees."""
+MARKER_AT = (215.0, 60.0, -24.0)
+"""Likewise an anchor's marker."""
+DOTS_PER_MM = 8
+"""Of their printer: 203 dots an inch."""
+EMPTY_HANDED = ("background", "sheet", "marker", "board")
+"""Cues at which hands have nothing to do."""
 
 
 class VirtualUser:
@@ -66,6 +87,27 @@ class VirtualUser:
     def obey(self, cue: Cue) -> None:
         """Do what a cue says, from the next moment on."""
         self._cue = cue
+        if cue.name in EMPTY_HANDED:  # what they laid stays while they touch
+            self._furnish(sheets=() if cue.board is None else (_laid(cue.board),))
+
+    def expose(self, exposure_ms: float | None) -> None:
+        """Let the colour camera expose for so long; None: as the light in the room asks for."""
+        self._furnish(exposure_ms=exposure_ms)
+
+    @property
+    def projector_px(self) -> tuple[int, int]:
+        """Width and height of the projector's picture."""
+        return self._room.projector.width_px, self._room.projector.height_px
+
+    def project(self, picture: NDArray[np.uint8]) -> None:
+        """Let the projector in this room show a (height, width, 3) BGR picture."""
+        self._sensor.show(picture)
+
+    def _furnish(self, **changes: object) -> None:
+        room = replace(self._room, **changes)  # type: ignore[arg-type]
+        if (room.sheets, room.exposure_ms) != (self._room.sheets, self._room.exposure_ms):
+            self._room = room
+            self._sensor.furnish(room)
 
     def skip(self, seconds: float) -> None:
         """Let time pass without a frame."""
@@ -80,22 +122,31 @@ class VirtualUser:
         t_s = self._index / FPS
         self._index += 1
         aim = self._track.at(t_s)
-        side = self._room.dominant
-        hand = posed(self._room.user, pointing(self._room.user, side, aim, curl=1.0))
         rests = self._track.tool_at(t_s) == "wedge"
         things = [wedge(aim.x_mm, aim.y_mm, aim.yaw_deg)] if rests else []
-        return self._sensor.frame(round(t_s * 1e6), [hand], things)
+        return self._sensor.frame(round(t_s * 1e6), self._hands(aim), things)
 
     def close(self) -> None:
         """There is nothing to let go."""
+
+    def _hands(self, aim: FingerPose) -> list[PosedHand]:
+        """The hand, where it is in view: what nobody sees need not be drawn."""
+        user, side = self._room.user, self._room.dominant
+        if aim.y_mm > away(self._room, side).y_mm - SWAY_MM:
+            return []
+        return [posed(user, pointing(user, side, aim, curl=1.0))]
 
     def _live(self) -> Iterator[Segment]:
         while True:
             cue, self._cue = self._cue, None
             if cue is None:
                 yield from self._stay()
-            elif cue.name == "background":
+            elif cue.name in EMPTY_HANDED:
                 yield from self._go(away(self._room, self._room.dominant))
+            elif cue.name == "corner":
+                yield from self._touch(*AREA[cue.number])
+            elif cue.name == "cross":
+                yield from self._touch(*self._under(cue.at_px))
             elif cue.name in STATES:
                 yield from self._hold(*STATES[cue.name])
             else:
@@ -127,6 +178,25 @@ class VirtualUser:
         yield from p.strike(MOVE_S / 2.0)
         p.pose = FingerPose(WIDTH_MM / 2.0, HEIGHT_MM / 2.0, 0.0, force_g, 45.0, 0.0)
 
+    def _under(self, px: tuple[float, float]) -> tuple[float, float]:
+        """Where on the table the projector's pixel is seen."""
+        back = np.linalg.inv(self._room.projector.projector_from_surface())
+        x, y, w = back @ (*px, 1.0)
+        return float(x / w), float(y / w)
+
+    def _touch(self, x_mm: float, y_mm: float) -> Iterator[Segment]:
+        """Touch a mark again and again, until there is something else to do."""
+        p = self._performer
+        p.tool = None
+        lift = {"height_mm": 40.0, "pitch_deg": 45.0, "yaw_deg": 0.0}
+        yield from p.reach(MOVE_S, 20.0, x_mm=x_mm, y_mm=y_mm, **lift)
+        while self._cue is None:
+            dx, dy = p.rng.normal(0.0, AIM_MM, 2)
+            yield from p.reach(0.3, x_mm=x_mm + dx, y_mm=y_mm + dy, height_mm=12.0)
+            yield from p.strike(0.1)
+            yield from p.press(REST_S, lambda _: TOUCH_G)
+            yield from p.reach(0.4, height_mm=40.0)
+
     def _sweep(self, pitch_deg: float) -> Iterator[Segment]:
         p = self._performer
         p.tool = "wedge" if pitch_deg == 45.0 else None
@@ -156,3 +226,23 @@ class VirtualUser:
             }
 
         yield from self._performer.press(ROW_S, lambda _: TOUCH_G, slide)
+
+
+def _laid(board: Printed) -> Flat:
+    """Print a board, and lay it where this person likes it."""
+    half = board.size_mm / 2.0
+    middles = np.array(list(board.middles_mm.values()))
+    edge = 2.0 * board.size_mm / board.family.modules  # the white around a marker belongs to it
+    corner = middles.min(axis=0) - half - edge
+    width_mm, height_mm = middles.max(axis=0) + half + edge - corner
+    sheet = np.full((round(height_mm * DOTS_PER_MM), round(width_mm * DOTS_PER_MM)), 255, np.uint8)
+    side = round(board.size_mm * DOTS_PER_MM)
+    for number, middle in board.middles_mm.items():
+        squares = np.where(marker_squares(board.family, number), 0, 255).astype(np.uint8)
+        x, y = np.rint((np.array(middle) - half - corner) * DOTS_PER_MM).astype(int)
+        size = (side, side)
+        sheet[y : y + side, x : x + side] = cv2.resize(
+            squares, size, interpolation=cv2.INTER_NEAREST
+        )
+    x_mm, y_mm, turn_deg = SHEET_AT if len(middles) > 1 else MARKER_AT
+    return printed(sheet, x_mm, y_mm, float(width_mm), turn_deg)

@@ -9,6 +9,7 @@ plus the device's drift. The sensing reads no infrared and no colour, so none is
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -108,8 +109,8 @@ def reach_of(surface: Surface, camera: Camera) -> Box:
     return _clipped(low[0], low[1], high[0], high[1], (camera.depth.height, camera.depth.width))
 
 
-def save(path: Path, kept: Kept) -> None:
-    """Write a take; the file is there whole or not at all."""
+def save(path: Path, kept: Kept, made: str) -> None:
+    """Write a take; the file is there whole or not at all. `made`: says all it depends on."""
     captures = kept.captures
     hands = [(index, hand) for index, each in enumerate(captures) for hand in each.hands]
     landmarks = [hand.landmarks_px for _, hand in hands]
@@ -127,8 +128,18 @@ def save(path: Path, kept: Kept) -> None:
             hand_side=np.array([int(hand.side) for _, hand in hands], np.int64),
             hand_confidence=np.array([hand.confidence for _, hand in hands], np.float64),
             hand_px=np.array(landmarks, np.float32).reshape(-1, 21, 2),
+            made=np.array(made),
             lines=np.frombuffer(json.dumps([kept.truth, kept.script]).encode(), np.uint8),
         )
+
+
+def made_of(path: Path) -> str:
+    """Return what a take depends on. Raises OSError without a file, ValueError for another one."""
+    try:
+        with path.open("rb") as bytes_, np.load(bytes_, allow_pickle=False) as file:
+            return str(file["made"])
+    except (zipfile.BadZipFile, EOFError, KeyError) as error:
+        raise ValueError(f"{path} is no take ({error})") from error
 
 
 def load(path: Path) -> Kept:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halo_service.geometry.camera import Points
+from halo_service.geometry.camera import Lens, Points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +32,35 @@ class Surface:
         """Map (N, 3) points from the surface's frame to the depth camera's; mm."""
         rotation, origin = self.camera_from_surface[:3, :3], self.camera_from_surface[:3, 3]
         return np.asarray(points @ rotation.T + origin, dtype=np.float64)
+
+    def seen_at(self, px: Points, lens: Lens, lens_from_camera: Points) -> Points:
+        """Map (N, 2) pixels of a lens to the (N, 2) places on the surface they look at; mm.
+
+        `lens_from_camera`: (4, 4), mm, from the depth camera's frame: `Camera.colour_from_depth`
+        for its colour lens, the identity for its depth lens. A ray that never meets the surface
+        gives nan. Exact for a plane, whatever the lens's distortion.
+        """
+        lens_from_surface = lens_from_camera @ self.camera_from_surface
+        rotation, origin = lens_from_surface[:3, :3], lens_from_surface[:3, 3]
+        rays = lens.rays(px) @ rotation
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = (rotation[:, 2] @ origin) / rays[:, 2:]
+        met: Points = np.where(far > 0.0, far, np.nan) * rays - origin @ rotation
+        return np.asarray(met[:, :2], dtype=np.float64)
+
+    def in_picture(self, places: Points, lens: Lens, lens_from_camera: Points) -> Points:
+        """Map (N, 2) places on the surface, mm, to the (N, 2) pixels of a lens that see them."""
+        points = self.to_camera(np.column_stack([places, np.zeros(len(places))]))
+        return lens.project(points @ lens_from_camera[:3, :3].T + lens_from_camera[:3, 3])
+
+    def laid(self, plane_from_surface: Points, width_mm: float, height_mm: float) -> Surface:
+        """Lay another rectangle on the same plane, under the same name.
+
+        `plane_from_surface`: (3, 3), mm: p_here = M (x, y, 1) of the new frame, a turn and a shift.
+        """
+        moved = np.eye(4)
+        moved[:2, :2], moved[:2, 3] = plane_from_surface[:2, :2], plane_from_surface[:2, 2]
+        return Surface(self.name, width_mm, height_mm, self.camera_from_surface @ moved)
 
 
 def from_view(

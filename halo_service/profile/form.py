@@ -17,10 +17,12 @@ from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
 from halo_service.profile.model import (
     PAPER_THRESHOLD_MM,
+    Anchor,
     Background,
     Correction,
     HeldState,
     Profile,
+    Projector,
     StepRecord,
     TouchStates,
 )
@@ -87,6 +89,8 @@ def to_json(profile: Profile, files: list[str]) -> dict[str, Any]:
             "base": correction.base,
             "samples": len(correction.samples),
         },
+        "projector": _as_text(profile.projector),
+        "anchor": _as_text(profile.anchor),
     }
 
 
@@ -106,6 +110,8 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
         },
         correction=None if correction is None else _correction(correction, folder),
         halo_threshold_mm=float(data.get("halo_threshold_mm", PAPER_THRESHOLD_MM)),
+        projector=_projector(data.get("projector")),
+        anchor=_anchor(data.get("anchor")),
         steps={name: StepRecord(**step) for name, step in data.get("steps", {}).items()},
     )
     wanted = (profile.camera.depth.height, profile.camera.depth.width)
@@ -117,15 +123,45 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
 
 
 def _surface(data: dict[str, Any]) -> Surface:
-    name, matrix = data["name"], np.array(data["camera_from_surface"], dtype=np.float64)
+    name, matrix = data["name"], _matrix(data, "camera_from_surface", 4)
     if not isinstance(name, str) or not SURFACE.fullmatch(name):
         raise ValueError(f"its surface cannot be called {name!r:.60}")
     width_mm, height_mm = float(data["width_mm"]), float(data["height_mm"])
     if not all(math.isfinite(size) and size > 0.0 for size in (width_mm, height_mm)):
         raise ValueError("its surface has no size")
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise ValueError("camera_from_surface is no 4 x 4 matrix")
     return Surface(name, width_mm, height_mm, matrix)
+
+
+def _as_text(thing: Projector | Anchor | None) -> dict[str, Any] | None:
+    if thing is None:
+        return None
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in asdict(thing).items()
+    }
+
+
+def _projector(data: dict[str, Any] | None) -> Projector | None:
+    if data is None:
+        return None
+    width_px, height_px = int(data["width_px"]), int(data["height_px"])
+    if width_px <= 0 or height_px <= 0:
+        raise ValueError("its projector's picture has no size")
+    return Projector(width_px, height_px, _matrix(data, "projector_from_surface", 3))
+
+
+def _anchor(data: dict[str, Any] | None) -> Anchor | None:
+    if data is None:
+        return None
+    matrix = _matrix(data, "anchor_from_surface", 4)
+    return Anchor(str(data["family"]), int(data["marker"]), float(data["size_mm"]), matrix)
+
+
+def _matrix(data: dict[str, Any], name: str, size: int) -> NDArray[np.float64]:
+    matrix = np.array(data[name], dtype=np.float64)
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise ValueError(f"{name} is no {size} x {size} matrix")
+    return matrix
 
 
 def _camera(data: dict[str, Any]) -> Camera:

@@ -93,6 +93,33 @@ class Correction:
     """Name of the base model it stands on; empty: the user's samples alone."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Projector:
+    """Where a projector's pixels are on the surface."""
+
+    width_px: int
+    height_px: int
+    """Its picture."""
+    projector_from_surface: NDArray[np.float64]
+    """(3, 3) homography, mm -> px, its last element 1; (0, 0) is the outer corner of the top left
+    pixel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Anchor:
+    """A printed marker that others see too, such as headsets."""
+
+    family: str
+    """Whose marker it is, e.g. `apriltag-36h11`."""
+    marker: int
+    """Its number."""
+    size_mm: float
+    """Of its black square."""
+    anchor_from_surface: NDArray[np.float64]
+    """(4, 4), mm: from the surface's frame to the marker's, which has its origin in its middle, x
+    to its right, y to its bottom and z into it."""
+
+
 @dataclass(frozen=True, slots=True)
 class StepRecord:
     """How one step of the calibration went."""
@@ -125,6 +152,10 @@ class Profile:
     """None before the sweep."""
     halo_threshold_mm: float = PAPER_THRESHOLD_MM
     """Excess depth from which a pixel is halo here."""
+    projector: Projector | None = None
+    """None where there is none, or none was calibrated."""
+    anchor: Anchor | None = None
+    """Likewise."""
     steps: Mapping[str, StepRecord] = field(default_factory=dict)
     """How each step went, by its name."""
 

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 
 from halo_service.runtime.checks import judge
-from halo_service.sensing import State, clear, step
+from halo_service.runtime.method import Method, State
 from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame, TouchFrame, Tracked
 
@@ -22,12 +22,16 @@ FOREVER_S = 3600.0
 
 
 def replay(
-    source: Source, look: Look, state: State, late: int = TRACKER_FRAMES_LATE
+    source: Source,
+    look: Look,
+    method: Method[State],
+    state: State,
+    late: int = TRACKER_FRAMES_LATE,
 ) -> Iterator[TouchFrame]:
     """Yield one touch frame a depth frame until the recording ends.
 
-    `look`: the hand tracker, or what stands for it; `late`: how many frames old its hands are
-    when a frame is sensed, 0 or more.
+    `look`: the hand tracker, or what stands for it; `state`: what `method.start` gave; `late`:
+    how many frames old the tracker's hands are when a frame is sensed, 0 or more.
     Raises `UserError` where the recording cannot be read on.
     """
     seen: deque[Tracked | None] = deque([None] * late, maxlen=late + 1)
@@ -42,8 +46,8 @@ def replay(
         fault = judge(capture, last_us, source.camera.fps).fault
         last_us = capture.time_us
         if isinstance(capture, BadFrame) or fault is not None:
-            told, state = clear(state, capture.time_us)
+            told, state = method.clear(state, capture.time_us)
         else:
             seen.append(look(capture))
-            told, state = step(state, capture, seen[0])
+            told, state = method.step(state, capture, seen[0])
         yield told

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 from halo_service.sensing.settings import SensingSettings
 
-
 CONTACT_LEVEL = 0.5
 """The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
 

@@ -6,13 +6,13 @@ captured, as it was captured; what it cannot hand over it names (`BadFrame`).
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from halo_service.errors import SourceLost
 from halo_service.geometry.camera import Camera
 from halo_service.values import BadFrame, Frame, SourceKind
 
-__all__ = ["EndOfSource", "Source", "SourceLost"]
+__all__ = ["EndOfSource", "Exposing", "Source", "SourceLost"]
 
 
 class EndOfSource(Exception):  # noqa: N818 - an end, no error
@@ -38,3 +38,14 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let the device go. May be called twice."""
+
+
+@runtime_checkable
+class Exposing(Protocol):
+    """A source whose colour camera can be told how long to expose."""
+
+    def expose(self, exposure_ms: float | None) -> None:
+        """Expose for so long from the next frames on; None: as the camera thinks best.
+
+        Raises SourceLost.
+        """

@@ -76,6 +76,19 @@ class AzureKinect:
             ) from error
         return outcome(capture, self._clock)
 
+    def expose(self, exposure_ms: float | None) -> None:
+        """Fix the colour camera's exposure; the device takes the next time that it knows."""
+        try:
+            if exposure_ms is None:
+                self._device.exposure_mode_auto = True
+            else:
+                self._device.exposure = round(exposure_ms * 1000)
+        except self._sdk.K4AException as error:
+            self.close()
+            raise SourceLost(
+                "the Azure Kinect went away: check its cable and its power."
+            ) from error
+
     def close(self) -> None:
         """Stop the cameras. May be called twice."""
         if not self._open:

@@ -18,7 +18,7 @@ from halo_service.virtual import scene
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import shrunk
 from halo_service.virtual.mesh import Floats, Ints
-from halo_service.virtual.pictures import show
+from halo_service.virtual.pictures import Picture, Show, show, still
 from halo_service.virtual.props import SOLID
 from halo_service.virtual.render import rasterise
 from halo_service.virtual.room import Room
@@ -65,22 +65,27 @@ class ColourImager:
         self._full = camera.colour
         self._lens = shrunk(camera.colour, times)
         self._from_surface = camera.colour_from_depth @ surface.camera_from_surface
-        self._user = room.user
+        self._room = room
         self._projector = room.projector
-        thrown = room.projected is not None
-        self._show = (
-            show(room.projected, room.projector.width_px, room.projector.height_px)
-            if room.projected is not None
-            else None
-        )
+        self._blur_px = room.blur_px / times
         light = max(room.light, 1e-3)
-        self.exposure_ms = float(np.clip(EXPOSURE_MS / light, SHORTEST_MS, LONGEST_MS))
+        wanted = EXPOSURE_MS / light if room.exposure_ms is None else room.exposure_ms
+        self.exposure_ms = float(np.clip(wanted, SHORTEST_MS, LONGEST_MS))
         self._room_gain = 255.0 * room.light * self.exposure_ms / EXPOSURE_MS
         self._throw_gain = room.projector.brightness * self.exposure_ms / EXPOSURE_MS
-        self._table = self._bare_table(room, thrown)
-        for name in room.props:
-            if name in SOLID:
-                self._write(SOLID[name](), self._table)
+        self._show: Show | None = None
+        if room.projected is not None:
+            self._show = show(room.projected, room.projector.width_px, room.projector.height_px)
+        self._table = self._furnished()
+        self._thrown: tuple[Picture, Picture] | None = None
+        """The last picture, and how its pixels run together in those of the lens."""
+
+    def throw(self, picture: Picture | None) -> None:
+        """Let the projector show another picture from now on; None switches it off."""
+        was_off = self._show is None
+        self._show = None if picture is None else still(picture)
+        if was_off != (picture is None):
+            self._table = self._furnished()
 
     def draw(self, t_s: float, bodies: Sequence[Body], velocities: Sequence[Floats]) -> Bgr:
         """The picture at a time. `velocities` of the bodies, mm/s in the surface's frame."""
@@ -90,9 +95,12 @@ class ColourImager:
             pixel = self._write(body, now)
             if before is not None:
                 self._smear(now.room, before, pixel, velocity)
-        if self._show is None:
-            return now.room
-        return self._throw(now, self._show(t_s), bodies)
+        lit = now.room
+        if self._show is not None:
+            lit = self._throw(now, self._merged(self._show(t_s)), bodies)
+        if self._blur_px == 0.0:
+            return lit
+        return np.asarray(cv2.GaussianBlur(lit, (0, 0), self._blur_px), dtype=np.uint8)
 
     def enlarge(self, image: Bgr) -> Bgr:
         """To the lens's full size."""
@@ -100,6 +108,23 @@ class ColourImager:
             return image
         size = self._full.width, self._full.height
         return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_LINEAR), dtype=np.uint8)
+
+    def _merged(self, picture: Picture) -> Picture:
+        """The picture as coarse as the lens sees it: a pixel takes the light of its whole area."""
+        if self._thrown is None or self._thrown[0] is not picture:
+            step = np.abs(np.diff(self._table.source[..., 0], axis=1))
+            size = max(1, round(float(np.median(step))) | 1)  # odd, or it would shift the picture
+            merged = cv2.blur(picture, (size, size)) if size > 1 else picture
+            self._thrown = picture, np.asarray(merged, dtype=np.uint8)
+        return self._thrown[1]
+
+    def _furnished(self) -> _Lit:
+        """The table and what stands on it for good."""
+        table = self._bare_table(self._room, self._show is not None)
+        for name in self._room.props:
+            if name in SOLID:
+                self._write(SOLID[name](), table)
+        return table
 
     def _bare_table(self, room: Room, thrown: bool) -> _Lit:
         view = scene.look(self._lens, self._from_surface)

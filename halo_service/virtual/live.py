@@ -17,6 +17,9 @@ from contextlib import contextmanager
 from multiprocessing.shared_memory import SharedMemory
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from halo_service.errors import SourceLost, UserError
 from halo_service.geometry.surface import Surface
 from halo_service.values import BadFrame, Frame, SourceKind
@@ -96,6 +99,13 @@ class VirtualKinect:
         """Hand a message to the scenario (the `hand` scenario listens)."""
         try:
             self._pipe.send(("tell", message))
+        except OSError:
+            raise self._died() from None
+
+    def show(self, picture: NDArray[np.uint8] | None) -> None:
+        """Let the projector show a picture from now on, (h, w, 3) BGR of its size; None: off."""
+        try:
+            self._pipe.send(("show", picture))
         except OSError:
             raise self._died() from None
 

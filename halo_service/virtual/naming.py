@@ -11,6 +11,7 @@ from halo_service.errors import UserError
 from halo_service.values import Side
 from halo_service.virtual.pictures import findable
 from halo_service.virtual.plays import FURNISHED, SCENARIOS
+from halo_service.virtual.props import sheets
 from halo_service.virtual.room import Room, draw_room
 
 DEFAULT = "demo"
@@ -35,6 +36,9 @@ OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "light": ("light", float),
     "props": ("props", _list),
     "projected": ("projected", findable),
+    "sheets": ("sheets", sheets),
+    "blur_px": ("blur_px", float),
+    "exposure_ms": ("exposure_ms", float),
     "labels": ("labels", str),
     "hand_size": ("user.size", float),
     "girth": ("user.girth", float),

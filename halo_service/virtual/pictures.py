@@ -22,6 +22,11 @@ MARKERS = cv2.aruco.DICT_4X4_50
 MOVIE_FPS = 30.0
 
 
+def still(picture: Picture) -> Show:
+    """One picture for ever."""
+    return lambda _: picture
+
+
 def colours(width: int, height: int) -> Show:
     """Saturated stripes that wander and change: what breaks hand trackers that see colour only."""
     rows, columns = np.mgrid[:height:8, :width:8].astype(np.float32)

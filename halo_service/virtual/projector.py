@@ -33,6 +33,8 @@ class Projector:
     """Distance over picture width; chosen so that the picture reaches past the area."""
     brightness: float = 0.8
     """Of its white on the table, in that of the room light."""
+    mirrored: bool = False
+    """Set up as for a screen that is looked at from behind."""
 
     def pixels(self, points: Floats) -> NDArray[np.float32]:
         """(N, 2) projector pixels that light (N, 3) points."""
@@ -68,7 +70,7 @@ class Projector:
         focal = self.throw * self.width_px
         inner = np.array(
             [
-                [focal, 0.0, self.width_px / 2.0],
+                [-focal if self.mirrored else focal, 0.0, self.width_px / 2.0],
                 [0.0, focal, self.height_px / 2.0],
                 [0.0, 0.0, 1.0],
             ]

@@ -21,7 +21,7 @@ from halo_service.values import Side
 from halo_service.virtual.halo import FAMILIES, HaloCurve
 from halo_service.virtual.materials import MATERIALS, STUDIED, Material
 from halo_service.virtual.projector import Projector
-from halo_service.virtual.props import PROPS
+from halo_service.virtual.props import PROPS, Flat
 from halo_service.virtual.skeleton import User
 
 WIDTH_MM, HEIGHT_MM = 300.0, 200.0
@@ -51,6 +51,12 @@ class Room:
     """Room light, of a well-lit office."""
     props: tuple[str, ...] = ()
     """What lies on the table, of `props.PROPS`."""
+    sheets: tuple[Flat, ...] = ()
+    """Printed sheets that lie on the table, the last on top; `props.printed` makes one."""
+    blur_px: float = 0.0
+    """How far out of focus the colour camera is, one sigma."""
+    exposure_ms: float | None = None
+    """Of the colour camera; None: the camera follows the room light."""
     projected: str | None = None
     """What the projector shows, of `pictures.PICTURES`, or a file; None: it is off."""
     projector: Projector = field(default_factory=Projector)
@@ -161,6 +167,7 @@ LIMITS = {
     "noise": (0.0, 10.0),
     "drop": (0.0, 0.9),
     "light": (0.0, 4.0),
+    "blur_px": (0.0, 20.0),
     "user.size": (0.7, 1.3),
     "user.girth": (0.8, 1.25),
     "user.pad_mm": (0.0, 4.0),

@@ -87,6 +87,8 @@ def top(view: View, room: Room) -> Top:
     for name in room.props:
         if name in FLAT:
             _lay(FLAT[name](), view, infrared, colour, halo)
+    for sheet in room.sheets:
+        _lay(sheet, view, infrared, colour, halo)
     return Top(infrared.astype(np.float32), colour.astype(np.float32), halo)
 
 
@@ -97,15 +99,29 @@ def _lay(flat: Flat, view: View, infrared: Image, colour: Image, halo: Image) ->
     u = (dx * np.cos(turn) + dy * np.sin(turn)) / flat.width_mm + 0.5
     v = (dy * np.cos(turn) - dx * np.sin(turn)) / flat.height_mm + 0.5
     on = (u >= 0.0) & (u < 1.0) & (v >= 0.0) & (v < 1.0)
-    rows, columns = flat.print.shape
+    print_ = _as_fine_as(view, flat)
+    rows, columns = print_.shape
     printed = cv2.remap(
-        flat.print,
+        print_,
         (u * columns - 0.5).astype(np.float32),
         (v * rows - 0.5).astype(np.float32),
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
     infrared[on], colour[on], halo[on] = printed[on], printed[on][:, None], flat.halo
+
+
+def _as_fine_as(view: View, flat: Flat) -> Image:
+    """The print at two dots a pixel of the lens: a pixel averages over its area, so a finer
+    print would come out jagged."""
+    pixel_mm = float(np.median(np.abs(np.diff(view.x_mm, axis=1))))
+    rows, columns = flat.print.shape
+    times = 2.0 * flat.width_mm / (columns * pixel_mm)
+    if times >= 1.0:
+        return flat.print
+    size = max(1, round(columns * times)), max(1, round(rows * times))
+    small = cv2.resize(flat.print, size, interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.GaussianBlur(small, (3, 3), 0.8), dtype=np.float32)
 
 
 def grain(material: Material, x_mm: Image, y_mm: Image) -> Image:

@@ -56,9 +56,33 @@ class Sensor:
         self._imager = DepthImager(room, self.camera, self.surface)
         self._fade = fading(room.camera_height_mm, room.camera_yaw_deg, room.camera_pitch_deg)
         self._electronics = Electronics(room, self.camera.depth)
+        self._colour_times = colour_times
         self._colour = (
             ColourImager(room, self.camera, self.surface, colour_times) if colour_times else None
         )
+        self._shown: Bgr | None = None
+
+    def show(self, picture: Bgr | None) -> None:
+        """Let the projector show a picture, (h, w, 3) of its size, from now on; None: it is off.
+
+        The room's own picture is forgotten.
+        """
+        self._shown = picture
+        if self._colour is not None:
+            self._colour.throw(picture)
+
+    def furnish(self, room: Room) -> None:
+        """Change what lies in the room or how its colour camera is set; the place stays.
+
+        Takes as long as making a sensor; the projector goes on with what `show` gave it.
+        """
+        self.room = room
+        self._imager = DepthImager(room, self.camera, self.surface)
+        if self._colour is None:
+            return
+        self._colour = ColourImager(room, self.camera, self.surface, self._colour_times)
+        if self._shown is not None:
+            self._colour.throw(self._shown)
 
     def frame(
         self, time_us: int, hands: Sequence[PosedHand] = (), things: Sequence[Body] = ()

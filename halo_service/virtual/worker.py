@@ -121,5 +121,7 @@ class _Camera:
             kind, value = self._pipe.recv()
             if kind == "next":
                 self._asked = value
+            elif kind == "show":
+                self._sensor.show(value)
             else:
                 self._play.tell(value)

@@ -19,6 +19,15 @@ GOOD = [
     {"step": "pressure", "from_s": 12, "to_s": 14, "force_g": 200},
     {"step": "sweep", "from_s": 15, "to_s": 35, "force_g": 25},
 ]
+PROJECTOR = {"step": "projector", "from_s": 0, "to_s": 1, "width_px": 1280, "height_px": 800}
+ANCHOR = {"step": "anchor", "from_s": 2, "to_s": 3, "marker": 4, "size_mm": 60}
+
+
+def test_words_and_numbers_are_told_apart() -> None:
+    anchor = ANCHOR | {"family": "aruco-4x4"}
+    projector, marker = parse_script([PROJECTOR | {"by": "gray"}, anchor], "s.json")
+    assert (projector.words, projector.fields["width_px"]) == ({"by": "gray"}, 1280.0)
+    assert (marker.words, marker.fields) == ({"family": "aruco-4x4"}, {"marker": 4, "size_mm": 60})
 
 
 def test_steps_come_in_the_order_of_time(tmp_path: Path) -> None:
@@ -49,6 +58,12 @@ def changed(index: int, **fields: object) -> list[dict[str, object]]:
         (changed(1, to_s=True), "must be a number"),
         (changed(5, step="background"), "names 'background' twice|has no field"),
         (GOOD[:3], "lacks touch, pressure"),
+        (changed(0, by="touch"), "has no field 'by'"),
+        ([PROJECTOR | {"by": "magic"}], "by of 'projector' must be one of markers, gray, touch"),
+        ([PROJECTOR | {"by": 3}], "must be one of markers"),
+        ([{"step": "projector", "from_s": 0, "to_s": 1}], "needs width_px and height_px"),
+        ([ANCHOR | {"family": "qr"}], "must be one of aruco-4x4, apriltag-36h11"),
+        ([ANCHOR | {"marker": "zero"}], "marker of 'anchor' must be a number"),
     ],
 )
 def test_what_is_no_script_is_refused(data: object, says: str) -> None:

@@ -87,7 +87,7 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
     from halo_service.app.virtual_profile import virtual_profile
     from halo_service.outputs.jsonl import frame_line
     from halo_service.runtime.lockstep import replay
-    from halo_service.sensing import start
+    from halo_service.runtime.method import OURS
     from halo_service.sources import EndOfSource
     from halo_service.virtual.naming import wish
     from halo_service.virtual.offline import Take
@@ -121,7 +121,8 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
             source = Played(Take(wished, seconds, colour=False), truth)
             eyes = Eyes(source.camera, profile, Settings().tracking)
             try:
-                told = list(replay(source, eyes.look, start(profile, Settings().sensing)))
+                state = OURS.start(profile, Settings().sensing)
+                told = list(replay(source, eyes.look, OURS, state))
             finally:
                 eyes.close()
             path = tmp_path_factory.mktemp("sensed") / "take.jsonl"

@@ -12,8 +12,8 @@ from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
-from halo_service.sensing.fingertips import silhouette_end
 from halo_service.sensing.hover import hover_height
+from halo_service.sensing.outline import silhouette_end
 from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.revealer import reveal
 from halo_service.sensing.settings import SensingSettings
@@ -75,7 +75,7 @@ def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
 
 @pytest.mark.parametrize("yaw_deg", [0.0, 30.0, 90.0, -135.0])
 def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> None:
-    rows, columns = np.mgrid[:576, :640]
+    rows, columns = np.mgrid[:576, :640] + 0.5  # a pixel reaches from its number to the next
     yaw = np.radians(yaw_deg)
     along = (columns - 320) * np.sin(yaw) - (rows - 288) * np.cos(yaw)
     across = (columns - 320) * np.cos(yaw) + (rows - 288) * np.sin(yaw)
@@ -225,5 +225,5 @@ def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() ->
 
 
 def test_no_silhouette_is_no_tip() -> None:
-    assert silhouette_end(np.zeros((576, 640), bool), (320.0, 288.0), (0.0, -1.0)) is None
-    assert silhouette_end(np.ones((576, 640), bool), (-500.0, 288.0), (0.0, -1.0)) is None
+    assert silhouette_end(np.zeros((576, 640), bool), (320.0, 288.0), (0.0, -1.0), 7.0) is None
+    assert silhouette_end(np.ones((576, 640), bool), (-500.0, 288.0), (0.0, -1.0), 7.0) is None

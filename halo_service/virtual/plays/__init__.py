@@ -18,6 +18,7 @@ from halo_service.virtual.plays import (
     puppet,
     study,
     ten_fingers,
+    threshold,
     typing,
 )
 from halo_service.virtual.room import Room
@@ -32,7 +33,10 @@ SCENARIOS: dict[str, Scenario] = {
     "pointing": study.pointing,
     "hover": study.hover,
     "pressure": study.pressure,
+    "threshold": threshold.threshold,
     "typing": typing.typing,
+    "typing-accurate": typing.accurate,
+    "typing-fast": typing.fast,
     "drumming": drumming.drumming,
     "painting": painting.painting,
     "ten-fingers": ten_fingers.ten_fingers,
@@ -41,7 +45,7 @@ SCENARIOS: dict[str, Scenario] = {
     "labels": labels.labels,
     "hand": puppet.hand,
 }
-ENDING = frozenset({"calibration", "hover", "pressure", "labels"})
+ENDING = frozenset({"calibration", "hover", "pressure", "threshold", "labels"})
 """Scenarios that end by themselves; the others go on for ever."""
 FURNISHED: dict[str, Callable[[Room], Room]] = {
     "projector": projector.lit,

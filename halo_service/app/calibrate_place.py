@@ -1,0 +1,58 @@
+"""`halo calibrate surface`, `projector`, `anchor`: where things are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from halo_calibration.boards import ANCHOR, Printed
+from halo_calibration.guided import Guided
+from halo_calibration.guided_place import GuidedPlace
+from halo_calibration.guided_projector import GuidedProjector
+from halo_calibration.steps import Change, surface_change
+from halo_service.app.screens import ScreenWish, screen_for
+from halo_service.errors import UserError
+from halo_service.profile import Profile
+from halo_service.sources import Exposing, Source
+
+PLACED = ("surface", "projector", "anchor")
+"""The steps that are taken here."""
+WAYS = {"surface": ("view", "markers", "touch"), "projector": ("markers", "gray", "touch")}
+"""How each may be found; the first unless another is named."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceWish:
+    """What the command line asks of these steps."""
+
+    by: str | None = None
+    """One of the step's `WAYS`."""
+    width_mm: float = 300.0
+    height_mm: float = 200.0
+    """The surface's size, where its corners are not touched."""
+    screen: ScreenWish = field(default_factory=ScreenWish)
+    marker: Printed = ANCHOR
+
+
+def place(name: str, guided: Guided, source: Source, wish: PlaceWish, profile: Profile) -> Change:
+    """Take one of these steps over a profile's plane. Raises `UserError`, `Refused` among them."""
+    way = _way(name, wish.by)
+    if name == "anchor":
+        return GuidedPlace(guided).marker(profile, wish.marker)
+    if name == "projector":
+        expose = source.expose if isinstance(source, Exposing) else None
+        with screen_for(source, wish.screen) as screen:
+            return GuidedProjector(guided, screen, expose).projector(profile, way)
+    if way == "markers":
+        return GuidedPlace(guided).sheet(profile, wish.width_mm, wish.height_mm)
+    if way == "touch":
+        return GuidedPlace(guided).corners(profile)
+    return surface_change(guided.setup, wish.width_mm, wish.height_mm)
+
+
+def _way(name: str, by: str | None) -> str:
+    known = WAYS.get(name, ("markers",))
+    if by is not None and by not in known:
+        raise UserError(
+            f"calibrate {name}: it can be found by {', '.join(known)}, and not by '{by}'"
+        )
+    return by or known[0]

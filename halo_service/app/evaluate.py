@@ -1,0 +1,166 @@
+"""`halo evaluate`: the study on virtual people, or a recording with its truth."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+
+from platformdirs import user_cache_path
+from tqdm import tqdm
+
+from halo_service.app.config import Settings, TrackingSettings
+from halo_service.app.eyes import Eyes, model_for
+from halo_service.errors import UserError
+from halo_service.evaluation import matrix
+from halo_service.evaluation.capture import Look, Studio
+from halo_service.evaluation.judged import read_lines, recording_judged
+from halo_service.evaluation.matrix import Person, Plan, Task
+from halo_service.evaluation.result import Result
+from halo_service.evaluation.rivals import METHODS
+from halo_service.evaluation.run import Order, run, work_s
+from halo_service.geometry.camera import Camera
+from halo_service.profile import Profile
+from halo_service.profile.store import load as load_profile
+from halo_service.profile.store import profile_path, require_fit
+from halo_service.sources.recording import Recording
+from halo_service.virtual.materials import MATERIALS, STUDIED
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What the command line asks for; empty or None: what the matrix has."""
+
+    quick: bool = False
+    methods: tuple[str, ...] = ()
+    users: tuple[int, ...] = ()
+    materials: tuple[str, ...] = ()
+    tasks: tuple[str, ...] = ()
+    labels: Path | None = None
+    keep: Path | None = None
+    kept_only: bool = False
+    jobs: int | None = None
+
+
+def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
+    """Run the study, with a progress bar; raises `UserError` for what cannot be run."""
+    tracker = _tracker(settings.tracking)
+    studio = Studio(
+        asked.keep or user_cache_path("halo-service", appauthor=False) / "takes",
+        partial(looking, settings.tracking),
+        tracker,
+        not asked.kept_only,
+    )
+    methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
+    order = Order(_plan(asked, studio), methods, studio, settings.sensing, _jobs(asked.jobs))
+    with tqdm(
+        total=work_s(order),
+        leave=False,
+        bar_format="{percentage:3.0f}% |{bar}| {elapsed} so far, about {remaining} to go",
+    ) as bar:
+        return run(order, bar.update)
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A recording to judge."""
+
+    recording: Path
+    truth: Path | None
+    """None: nobody knows it, and the script says what was asked of the person."""
+    script: Path | None
+    methods: tuple[str, ...]
+
+
+def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
+    """Judge a recording by its truth or its script; raises `UserError` where one is none."""
+    if asked.truth is None and asked.script is None:
+        raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
+    if not settings.profile:
+        raise UserError("evaluate: name the profile that goes with the recording: --profile P")
+    profile = load_profile(profile_path(settings.profile))
+    methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
+    truth = read_lines(asked.truth, "truth") if asked.truth else None
+    script = read_lines(asked.script, "script") if asked.script else ()
+    with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
+        require_fit(profile, source.camera)
+        with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
+            return recording_judged(
+                source,
+                asked.recording.stem,
+                eyes.look,
+                [METHODS[name] for name in methods],
+                profile,
+                settings.sensing,
+                truth,
+                script,
+            )
+
+
+@contextmanager
+def looking(
+    tracking: TrackingSettings, camera: Camera, profile: Profile | None, hands: int
+) -> Iterator[Look]:
+    """Give a hand tracker that looks for so many hands."""
+    with closing(Eyes(camera, profile, replace(tracking, max_hands=hands))) as eyes:
+        yield eyes.look
+
+
+def _plan(asked: Asked, studio: Studio) -> Plan:
+    materials = matrix.chosen(asked.materials or STUDIED, tuple(MATERIALS), "material")
+    if asked.kept_only:
+        plan = _kept(studio, asked.users, materials)
+    elif asked.quick:
+        plan = matrix.quick_plan(asked.users or matrix.QUICK_USERS, materials)
+    else:
+        files = () if asked.labels is None else _label_files(asked.labels)
+        plan = matrix.plan(asked.users or matrix.REPORTED, materials, labels=files)
+    names = sorted({task.name for tasks in plan.values() for task in tasks})
+    wanted = matrix.chosen(asked.tasks or tuple(names), tuple(names), "task")
+    plan = {
+        person: tuple(task for task in tasks if task.name in wanted)
+        for person, tasks in plan.items()
+    }
+    return {person: tasks for person, tasks in plan.items() if tasks}
+
+
+def _kept(
+    studio: Studio, users: Sequence[int], materials: Sequence[str]
+) -> dict[Person, tuple[Task, ...]]:
+    """Plan what lies in the folder, and nothing else."""
+    plan = {}
+    for file in sorted(studio.folder.glob(f"*/{matrix.CALIBRATION.name}.npz")):
+        seed, _, material = file.parent.name.partition("-")
+        if seed.isdigit() and material in materials and (not users or int(seed) in users):
+            person = Person(int(seed), material)
+            plan[person] = tuple(task for task in matrix.KNOWN if studio.has(person, task))
+    if not plan:
+        raise UserError(
+            f"no kept takes of these users and materials are in {studio.folder}; leave out "
+            f"--kept-only to have them drawn"
+        )
+    return plan
+
+
+def _label_files(folder: Path) -> list[Path]:
+    files = sorted(folder.glob("*.txt")) if folder.is_dir() else []
+    if not files:
+        raise UserError(f"there is no label file (*.txt) in {folder}; give --labels their folder")
+    return files
+
+
+def _jobs(wanted: int | None) -> int:
+    cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    return wanted or cores
+
+
+def _tracker(tracking: TrackingSettings) -> str:
+    """Name the hand tracker by all that makes it see what it sees."""
+    model = hashlib.sha256(model_for(tracking).read_bytes()).hexdigest()[:12]
+    return f"mediapipe {version('mediapipe')} {model}"

@@ -1,0 +1,145 @@
+"""Who is asked to do what: the paper's study as a table of persons and tasks.
+
+Rule: names and numbers only; the study's own (5.1, 5.2) unless a line says why not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from urllib.parse import quote
+
+from halo_service.errors import UserError
+from halo_service.virtual.materials import STUDIED
+
+TUNED = (201, 202, 203, 204, 205, 206)
+"""Virtual users on whom the sensing and its rivals were tuned; never reported as a result."""
+REPORTED = tuple(range(301, 313))
+"""The study's twelve: nobody looked at them while anything was being chosen."""
+QUICK_USERS = TUNED[:3]
+"""A quick run watches over changes, and who makes changes looks at it: so no reported users."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a person is asked to do."""
+
+    name: str
+    scenario: str
+    """Of the virtual Kinect."""
+    seconds: float
+    """How long it takes: about, where it ends by itself or after its touches."""
+    ends: bool = True
+    """By itself."""
+    touches: int | None = None
+    """It ends after so many."""
+    options: tuple[tuple[str, str], ...] = ()
+    """As in a source's name: (("noise", "2"),)."""
+    hands: int = 1
+    """How many the tracker looks for."""
+    every_material: bool = False
+    """On each of the materials; else once a user."""
+
+
+CALIBRATION = Task("calibration", "calibration", 42.0)
+"""Comes before everything else, as with any user."""
+POINTING = Task("pointing", "pointing", 89.0, ends=False, touches=64, every_material=True)
+"""64 touches a user and material, half of them swift (5.2)."""
+NOISY = (("noise", "2"),)
+"""Twice the sensor's own noise."""
+TASKS = (
+    POINTING,
+    Task("hover", "hover", 46.0),
+    Task("hover-noise2", "hover", 46.0, options=NOISY),
+    Task("pressure", "pressure", 48.0),
+    Task("pressure-noise2", "pressure", 48.0, options=NOISY),
+    Task("threshold", "threshold", 44.0),
+    Task("typing-accurate", "typing-accurate", 30.0, ends=False, hands=2),
+    Task("typing", "typing", 30.0, ends=False, hands=2),
+    Task("typing-fast", "typing-fast", 30.0, ends=False, hands=2),
+    Task("ten-fingers", "ten-fingers", 30.0, ends=False, hands=2),
+    Task("chaos", "chaos", 40.0, ends=False, hands=2),
+)
+"""The full matrix."""
+QUICK_TASKS = (
+    replace(POINTING, name="pointing-20", seconds=29.0, touches=20),
+    *(task for task in TASKS if task.name in ("hover", "pressure")),
+)
+"""Three users with 20 touches each; a check of hover and pressure."""
+QUICK_ONCE = 1
+"""Only so many of the quick users hold the levels: it has to end within five minutes."""
+KNOWN = (*TASKS, *QUICK_TASKS[:1])
+"""All that can lie in a folder of takes."""
+LABELS = Task("labels", "labels", 60.0, ends=False, hands=2)
+"""Taps when somebody really touched a tablet; needs a file of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody at a table."""
+
+    seed: int
+    material: str
+
+    @property
+    def name(self) -> str:
+        """Of the folder."""
+        return f"{self.seed}-{self.material}"
+
+    def source(self, task: Task) -> str:
+        """What the virtual Kinect is asked for."""
+        options = (("seed", str(self.seed)), ("material", self.material), *task.options)
+        return f"sim:{task.scenario}?" + "&".join(f"{key}={quote(text)}" for key, text in options)
+
+
+Plan = Mapping[Person, tuple[Task, ...]]
+"""Who does what, in order."""
+
+
+def plan(
+    users: Sequence[int] = REPORTED,
+    materials: Sequence[str] = STUDIED,
+    tasks: Sequence[Task] = TASKS,
+    labels: Sequence[Path] = (),
+) -> dict[Person, tuple[Task, ...]]:
+    """Return the full matrix. `labels`: files of real taps, of which each user plays one."""
+    matrix = {}
+    for index, seed in enumerate(users):
+        for material in materials:
+            once = material == own_material(seed, materials)
+            mine = [task for task in tasks if once or task.every_material]
+            if once and labels:
+                mine.append(labelled(labels[index % len(labels)]))
+            matrix[Person(seed, material)] = tuple(mine)
+    return {person: mine for person, mine in matrix.items() if mine}
+
+
+def quick_plan(
+    users: Sequence[int] = QUICK_USERS, materials: Sequence[str] = STUDIED
+) -> dict[Person, tuple[Task, ...]]:
+    """Return the small matrix: each user on one material."""
+    return {
+        Person(seed, own_material(seed, materials)): tuple(
+            task for task in QUICK_TASKS if task.every_material or index < QUICK_ONCE
+        )
+        for index, seed in enumerate(users)
+    }
+
+
+def own_material(seed: int, materials: Sequence[str]) -> str:
+    """Return the material on which a user does what is done once; the next user has another."""
+    return materials[seed % len(materials)]
+
+
+def labelled(file: Path) -> Task:
+    """Return the task of tapping when somebody really touched a tablet."""
+    return replace(LABELS, name=f"labels-{file.stem}", options=(("labels", str(file)),))
+
+
+def chosen(wanted: Sequence[str], known: Sequence[str], what: str) -> tuple[str, ...]:
+    """Return the names that are wanted; raises `UserError` for one that nobody knows."""
+    for name in wanted:
+        if name not in known:
+            raise UserError(f"the bench knows no {what} {name!r}; known: {', '.join(known)}")
+    return tuple(wanted)

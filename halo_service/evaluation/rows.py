@@ -1,0 +1,139 @@
+"""Results as rows: one a person, task, method and figure, for whoever wants to reckon further."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TextIO
+
+import numpy as np
+
+from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.levels import Trial
+from halo_service.evaluation.scores.motion import relative_error
+from halo_service.evaluation.scores.spatial import from_truth, spatial
+from halo_service.evaluation.scores.take import Scores
+from halo_service.evaluation.scores.threshold import told_by_lift
+
+COLUMNS = (
+    "seed", "subject", "material", "family", "task", "method", "figure", "value", "note",
+    "profile", "settings", "version",
+)  # fmt: skip
+DIGITS = 4
+"""Decimals: a tenth of a micrometre, far below what anything here measures."""
+
+Figure = tuple[str, float | None]
+"""Name with its unit, and value; None where the take gave no occasion."""
+
+
+def write(results: Sequence[Result], version: str, out: TextIO) -> None:
+    """Write all rows with a head. `version`: of the package that made them."""
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for each in results:
+        who = each.subject
+        head = ("" if who.seed is None else who.seed, who.name, who.material, who.family)
+        tail = (each.profile, each.settings, version)
+        for name, value, note in _rows(each):
+            table.writerow((*head, each.task, each.method, name, value, note, *tail))
+
+
+def figures(scores: Scores) -> Iterator[Figure]:
+    """Yield every figure of one take, those without an occasion included."""
+    yield from _touches(scores)
+    yield from _spatial(scores)
+    yield from _timing(scores)
+    yield "strike_error_share", relative_error(scores.strikes)
+    yield "velocity_error_share", relative_error(scores.velocities)
+    yield from _conduct(scores)
+    yield from _levels(scores.trials)
+    yield "hover_jump_p99_mm", _percentile([jump.jump_mm for jump in scores.jumps], 99.0)
+    for lift, share in told_by_lift(scores.retaps).items():
+        yield f"retaps_told_share_{lift:g}_mm", share
+    yield from _typing(scores)
+
+
+def _rows(result: Result) -> Iterator[tuple[str, str, str]]:
+    """Yield figure, value and note of one result."""
+    if result.scores is None:
+        yield "calibrated", "0", result.refused
+        return
+    yield "calibrated", "1", ""
+    for name, value in figures(result.scores):
+        if value is not None and np.isfinite(value):
+            yield name, f"{round(value, DIGITS):g}" if value % 1 else f"{value:.0f}", ""
+
+
+def _touches(scores: Scores) -> Iterator[Figure]:
+    touches = scores.touches
+    yield "touches", touches.true
+    yield "missed", len(touches.missed)
+    yield "doubled", len(touches.doubled)
+    yield "outside", len(touches.outside)
+    yield "ghosts", len(touches.ghosts)
+    yield "blind", len(touches.blind)
+    yield "blind_told", touches.blind_hits
+    if touches.true:
+        yield "precision", touches.precision
+        yield "recall", touches.recall
+        yield "f1", touches.f1
+
+
+def _spatial(scores: Scores) -> Iterator[Figure]:
+    off = spatial(from_truth(scores.touches.hits))
+    if off is not None:
+        yield "spatial_mean_mm", off.mean_mm
+        yield "spatial_sd_mm", off.sd_mm
+        yield "spatial_median_mm", off.median_mm
+        yield "spatial_p95_mm", off.p95_mm
+        yield "spatial_bias_x_mm", off.bias_mm[0]
+        yield "spatial_bias_y_mm", off.bias_mm[1]
+
+
+def _timing(scores: Scores) -> Iterator[Figure]:
+    timing = scores.timing
+    yield "down_frames_median", _percentile([each.frames_late for each in timing])
+    yield "down_ms_median", _percentile([each.down_ms for each in timing])
+    yield "down_ago_error_ms_median", _percentile([abs(t.down_ago_error_ms) for t in timing])
+    yield "up_ms_median", _percentile([t.up_ms for t in timing if t.up_ms is not None])
+
+
+def _conduct(scores: Scores) -> Iterator[Figure]:
+    conduct = scores.conduct
+    yield "stuck", conduct.stuck
+    yield "id_changes", conduct.id_changes
+    yield "misnamed", conduct.misnamed
+    yield "strange_share", conduct.strange / conduct.pointers if conduct.pointers else None
+    yield "unseen_share", conduct.unseen / conduct.fingers if conduct.fingers else None
+
+
+def _levels(trials: Sequence[Trial]) -> Iterator[Figure]:
+    for kind, unit, level_unit in (("hover", "mm", "mm"), ("pressure", "percent", "g")):
+        mine = [trial for trial in trials if trial.kind == kind]
+        yield f"{kind}_error_{unit}", _mean(trial.error for trial in mine)
+        yield f"{kind}_bias_{unit}", _mean(trial.bias for trial in mine)
+        yield f"{kind}_unseen_share", _mean(trial.unseen for trial in mine)
+        for level in sorted({trial.level for trial in mine}):
+            errors = (trial.error for trial in mine if trial.level == level)
+            yield f"{kind}_error_{unit}_at_{level:g}_{level_unit}", _mean(errors)
+
+
+def _typing(scores: Scores) -> Iterator[Figure]:
+    if scores.keys.struck:
+        yield "keys_struck", scores.keys.struck
+        yield "keys_wrong", scores.keys.wrong
+        yield "keys_missed", scores.keys.missed
+        yield "keys_doubled", scores.keys.doubled
+    yield "wpm", _mean(phrase.typed.wpm for phrase in scores.phrases)
+    yield "awpm", _mean(phrase.typed.awpm for phrase in scores.phrases)
+    yield "uncorrected_share", _mean(phrase.typed.uncorrected_rate for phrase in scores.phrases)
+    yield "corrected_share", _mean(phrase.typed.corrected_rate for phrase in scores.phrases)
+
+
+def _mean(values: Iterable[float]) -> float | None:
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else None
+
+
+def _percentile(values: Sequence[float], percent: float = 50.0) -> float | None:
+    return float(np.percentile(values, percent)) if values else None

@@ -1,0 +1,1 @@
+"""What the published frames are worth: pure functions of the frames and of the truth."""

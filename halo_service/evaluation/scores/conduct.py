@@ -1,0 +1,110 @@
+"""How pointers behave: whether they stay one finger's, and are there only where a finger is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from halo_service.evaluation.scores.followed import pairs
+from halo_service.evaluation.scores.touches import Touches
+from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, Truth
+from halo_service.geometry.surface import Surface
+from halo_service.values import Finger, Side, TouchFrame
+
+STUCK_US = 250_000
+"""Chosen: a touch told this much longer than it lasted sticks."""
+LEFT_US = 300_000
+"""Chosen: a hand that has just left may still be pointed at for that long."""
+STRANGE_MM = 60.0
+"""Chosen: a pointer farther than this, in the plane, from any finger is nobody's."""
+LOW_MM = 80.0
+"""Chosen: below this, within the surface, a finger ought to have one pointer and keep it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conduct:
+    """Counts of what should not happen."""
+
+    stuck: int = 0
+    """Touches that went on long after the finger had left, or never ended."""
+    id_changes: int = 0
+    """Times that a finger which stayed was given another id."""
+    misnamed: int = 0
+    """Touches told, but of another finger or hand than touched."""
+    strange: int = 0
+    """Pointers in frames where no pointing finger is, or lately was, near them."""
+    pointers: int = 0
+    """Pointers in all frames: what `strange` is a share of."""
+    unseen: int = 0
+    """Fingers low over the surface that had no pointer, counted once a frame."""
+    fingers: int = 0
+    """Fingers low over the surface in all frames: what `unseen` is a share of."""
+
+    def __add__(self, other: Conduct) -> Conduct:
+        """Both takes together."""
+        return Conduct(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+
+def score_conduct(
+    frames: Sequence[TouchFrame], truth: Truth, touches: Touches, surface: Surface
+) -> Conduct:
+    """Count it."""
+    unseen, fingers, id_changes = _followed(frames, truth, surface)
+    return Conduct(
+        sum(_sticks(hit.down.up_us, hit.touch.to_us) for hit in touches.hits if hit.touch.ended),
+        id_changes,
+        sum(
+            (hit.down.side, hit.down.finger) != (hit.touch.side, hit.touch.finger)
+            for hit in touches.hits
+        ),
+        _strange(frames, truth),
+        sum(len(frame.pointers) for frame in frames),
+        unseen,
+        fingers,
+    )
+
+
+def _sticks(up_us: int | None, to_us: int) -> bool:
+    return up_us is None or up_us - to_us > STUCK_US
+
+
+def _strange(frames: Sequence[TouchFrame], truth: Truth) -> int:
+    """Count pointers that are nobody's."""
+    recent: list[TrueFrame] = []
+    count = 0
+    for frame in frames:
+        now = truth.at(frame.time_us)
+        if now is None:
+            continue
+        recent = [r for r in (*recent, now) if r.time_us >= frame.time_us - LEFT_US]
+        there = np.array([(f.x_mm, f.y_mm) for r in recent for f in r.fingers]).reshape(-1, 2)
+        for pointer in frame.pointers:
+            away = np.hypot(there[:, 0] - pointer.x_mm, there[:, 1] - pointer.y_mm)
+            count += bool(away.min(initial=np.inf) > STRANGE_MM)
+    return count
+
+
+def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> tuple[int, int, int]:
+    """Return how often a finger had no pointer, of how many times, and how often a new id."""
+    unseen = fingers = changes = 0
+    ids: dict[tuple[Side, Finger], int] = {}
+    for frame in frames:
+        true = truth.at(frame.time_us)
+        present = [f for f in true.fingers if _low(f, surface)] if true else []
+        ids = {who: id_ for who, id_ in ids.items() if who in {(f.side, f.finger) for f in present}}
+        fingers += len(present)
+        unseen += len(present)
+        for finger, pointer in pairs(frame, true):
+            who = (finger.side, finger.finger)
+            if finger in present:
+                unseen -= 1
+                changes += ids.get(who, pointer.id) != pointer.id
+                ids[who] = pointer.id
+    return unseen, fingers, changes
+
+
+def _low(finger: TrueFinger, surface: Surface) -> bool:
+    within = 0.0 <= finger.x_mm <= surface.width_mm and 0.0 <= finger.y_mm <= surface.height_mm
+    return within and finger.height_mm < LOW_MM

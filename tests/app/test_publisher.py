@@ -1,0 +1,66 @@
+"""What late joiners are told: the scene, and where camera, projector and marker are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import halo_protocol as wire
+from halo_service.app.publisher import Publisher
+from halo_service.outputs.wire import Wire
+from halo_service.profile import Anchor, Profile, Projector
+from halo_service.sensing import SensingSettings, start
+
+MATRIX = np.array([[4.0, 0.4, 20.0], [0.1, 3.6, 30.0], [0.0002, 0.0006, 1.0]])
+
+
+class Heard:
+    """A carrier that keeps what it is given."""
+
+    def __init__(self) -> None:
+        self.messages: dict[str, wire.Message] = {}
+
+    def send(self, kind: str, datagrams: list[bytes]) -> None:
+        ((_, message),) = wire.decode(datagrams[0])
+        self.messages[kind] = message
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def told(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
+    heard = Heard()
+    publisher = Publisher(Wire("desk", "s1", 0), [heard], "virtual", profile_camera, "table")
+    publisher.scene(start(profile, SensingSettings()))
+    return heard.messages
+
+
+def test_nothing_is_said_of_what_is_not_known(profile: Profile, camera) -> None:
+    assert set(told(None, camera)) == {"scene"}
+    heard = told(profile, camera)
+    assert set(heard) == {"scene", "pose"}
+    assert heard["pose"].anchored == 0
+    assert heard["pose"].anchor_from_surface == (0.0,) * 12
+
+
+def test_projector_and_anchor_go_out_with_the_scenes_revision(profile: Profile, camera) -> None:
+    anchor_from_surface = np.eye(4)
+    anchor_from_surface[:3, 3] = (-40.0, -60.0, 10.0)
+    known = replace(
+        profile,
+        revision=7,
+        projector=Projector(1280, 800, MATRIX),
+        anchor=Anchor("apriltag-36h11", 0, 80.0, anchor_from_surface),
+    )
+    heard = told(known, camera)
+    assert {message.revision for message in heard.values()} == {7}
+    homography, pose = heard["homography"], heard["pose"]
+    assert (homography.width_px, homography.height_px) == (1280, 800)
+    assert homography.projector_from_surface == pytest.approx(tuple(MATRIX.ravel()))
+    assert pose.anchored == 1
+    assert pose.anchor_from_surface == pytest.approx(tuple(anchor_from_surface[:3].ravel()))
+    assert pose.camera_from_surface == pytest.approx(
+        tuple(profile.surface.camera_from_surface[:3].ravel())
+    )

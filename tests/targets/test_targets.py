@@ -1,0 +1,107 @@
+"""The printable sheets measure true, and are read back by the detector that they are for."""
+
+import subprocess
+
+import cv2
+import numpy as np
+import pytest
+
+from halo_calibration.boards import ANCHOR, SHEET
+from halo_calibration.pdf import Page, document
+from halo_calibration.sighting import detect
+from halo_calibration.targets import PAPERS_MM, RULER_MM, RULER_X_MM, sheets
+from halo_service.app.cli import main
+
+DPI = 300
+MM_PER_PX = 25.4 / DPI
+BOARDS = {"surface-sheet": SHEET, "anchor": ANCHOR}
+FILES = [(name, paper) for name in BOARDS for paper in PAPERS_MM]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("targets") / "new"
+    assert main(["targets", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def printed(folder, stranger):
+    """Every file as a stranger's program prints it."""
+    program = stranger("pdftoppm")
+    pictures = {}
+    for name, paper in FILES:
+        out = folder / f"{name}-{paper}"
+        command = [program, "-r", str(DPI), "-gray", "-singlefile", "-png", f"{out}.pdf", str(out)]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+        pictures[name, paper] = cv2.imread(f"{out}.png", cv2.IMREAD_GRAYSCALE)
+    return pictures
+
+
+@pytest.mark.parametrize(("name", "paper"), FILES)
+def test_a_printed_sheet_measures_true(printed, name, paper):
+    picture = printed[name, paper]
+    width_mm, height_mm = PAPERS_MM[paper]
+    assert picture.shape[1] * MM_PER_PX == pytest.approx(width_mm, abs=0.2)
+    assert picture.shape[0] * MM_PER_PX == pytest.approx(height_mm, abs=0.2)
+    seen = detect(picture, BOARDS[name])
+    assert not seen.missing
+    measured = (seen.picture + 0.5) * MM_PER_PX
+    off = measured - np.add(seen.board, (width_mm / 2.0, height_mm / 2.0))
+    print(f"{name} on {paper}: off by {np.abs(off).max():.3f} mm")
+    assert np.abs(off).max() < 0.2
+
+
+@pytest.mark.parametrize(("name", "paper"), FILES)
+def test_the_ruler_measures_what_it_says(printed, name, paper):
+    picture = printed[name, paper]
+    # Only the ends' ticks reach as far to the left as that.
+    column = picture[:, round((RULER_X_MM - 3.0) / MM_PER_PX)]
+    middle = picture.shape[0] // 2
+    reach = round((RULER_MM / 2.0 + 1.5) / MM_PER_PX)
+    dark = middle - reach + np.flatnonzero(column[middle - reach : middle + reach] < 128)
+    ends = np.split(dark, np.flatnonzero(np.diff(dark) > 1) + 1)
+    assert len(ends) == 2
+    assert (ends[1].mean() - ends[0].mean()) * MM_PER_PX == pytest.approx(RULER_MM, abs=0.2)
+
+
+@pytest.mark.parametrize(("name", "paper"), FILES)
+def test_nothing_is_printed_where_printers_do_not_reach_or_near_a_marker(printed, name, paper):
+    picture, board = printed[name, paper], BOARDS[name]
+    edge = round(5.0 / MM_PER_PX)
+    inner = picture[edge:-edge, edge:-edge]
+    assert np.count_nonzero(picture < 255) == np.count_nonzero(inner < 255)
+    # A marker is found by the white around it, as wide as one of its squares.
+    square_mm = board.size_mm / board.family.modules
+    for marker in board.middles_mm:
+        low = board.corners(marker)[0] + np.array(PAPERS_MM[paper]) / 2.0
+        (left, top) = np.round((low - square_mm) / MM_PER_PX).astype(int) + 1
+        size = round((board.size_mm + 2.0 * square_mm) / MM_PER_PX) - 2
+        around = picture[top : top + size, left : left + size].copy()
+        inset = round(square_mm / MM_PER_PX) - 3
+        around[inset:-inset, inset:-inset] = 255
+        assert around.min() == 255
+
+
+def test_the_same_sheets_are_the_same_bytes():
+    assert sheets() == sheets()
+    assert set(sheets()) == {f"{name}-{paper}.pdf" for name, paper in FILES}
+
+
+def test_a_document_of_several_pages_says_where_each_object_is():
+    pages = [Page(100.0, 50.0), Page(50.0, 100.0)]
+    pages[0].text(1.0, 2.0, "brackets ( and \\ too")
+    data = document("two", pages)
+    start = int(data.rsplit(b"startxref\n", 1)[1].split()[0])
+    assert data[start:].startswith(b"xref\n0 9\n")
+    for number, line in enumerate(data[start:].splitlines()[3:11], start=1):
+        place = int(line[:10])
+        assert data[place:].startswith(b"%d 0 obj" % number)
+    assert rb"(brackets \( and \\ too)" in data
+    assert b"/Count 2" in data
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["targets", str(tmp_path / "file" / "under")]) == 2
+    assert "choose another folder" in capsys.readouterr().err

@@ -19,7 +19,7 @@ from halo_service.values import Frame, Hand, Side, Tracked
 
 DISTANCE_MM = 500.0
 FRAME_US = 33_333
-DENT_PX, SHOWN_PX = 30 * 8, 459
+DENT_PX, SHOWN_PX = 30 * 8, 493
 """The drawn dent lies eight rows beyond the tip, within the patch, where no finger is; of the
 patch's 600 pixels the drawn finger leaves so many free."""
 PER_DENT_MM = DENT_PX * FREE_PX / SHOWN_PX

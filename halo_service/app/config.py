@@ -11,7 +11,7 @@ import re
 import tomllib
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from halo_service.errors import UserError
 from halo_service.outputs.control import PORTS
@@ -131,6 +131,11 @@ def _value(kind: Any, value: Any, prefix: str, key: str) -> Any:
         if not isinstance(value, dict):
             raise UserError(f"{prefix}'{key}' must be a table: [{key}]")
         return _table(kind, value, key)
+    if get_origin(kind) is Literal:
+        choices = get_args(kind)
+        if value not in choices:
+            raise UserError(f"{prefix}'{key}' must be {' or '.join(choices)}, not {value!r}")
+        return value
     if get_origin(kind) is tuple:
         inner = get_args(kind)[0]
         if isinstance(value, list) and all(type(each) is inner for each in value):

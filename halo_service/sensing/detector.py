@@ -12,6 +12,9 @@ from dataclasses import dataclass
 
 from halo_service.sensing.settings import SensingSettings
 
+CONTACT_LEVEL = 0.5
+"""The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Detector:
@@ -52,7 +55,7 @@ def detect(
         sharp = rise >= settings.down_rise_per_s * elapsed_us / 1e6
         sure = level >= settings.sure_level
         touching = departed and near and still and (sharp or sure)
-        crossed = settings.down_level
+        crossed = CONTACT_LEVEL
     changed = touching != before.touching
     return Detector(
         baseline=before.baseline if touching else _smoothed(before, level, elapsed_us, settings),

@@ -15,9 +15,9 @@ PATCH_HEIGHT_PX = 20
 ACROSS = np.arange(PATCH_WIDTH_PX) - PATCH_WIDTH_PX // 2
 ALONG = PATCH_HEIGHT_PX // 2 - np.arange(PATCH_HEIGHT_PX)[:, None]
 """The patch's columns beside the finger's line and its rows along it, px from the tip."""
-FREE_PX = 460
-"""Pixels of the patch that a lone finger leaves free (chosen: it hides a quarter)."""
-LEAST_FREE_PX = 115
+FREE_PX = 493
+"""Pixels of the patch that a lone finger leaves free (chosen: it hides a sixth)."""
+LEAST_FREE_PX = 120
 """No fewer stand for all: a quarter."""
 LINE_PX = 15
 """How far beyond the tip the finger's line is followed (chosen: the halo's reach)."""
@@ -30,8 +30,9 @@ def extract(revealed: Revealed, tip: Fingertip) -> float:
     hand itself, by a neighbour or by pixels that measured nothing, what is left stands for all.
     """
     dx, dy = _direction(tip)
-    x = np.rint(tip.tip_px[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
-    y = np.rint(tip.tip_px[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
+    # The edge of a silhouette lies between two pixels, where rounding would waver.
+    x = np.floor(tip.tip_px[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
+    y = np.floor(tip.tip_px[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
     height, width = revealed.halo.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     x, y = x[inside], y[inside]

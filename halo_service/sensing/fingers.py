@@ -279,7 +279,7 @@ def changes(before: Memory, now: Memory | None) -> tuple[TouchEvent, ...]:
             slot=after.slot,
             x_mm=pointer.x_mm,
             y_mm=pointer.y_mm,
-            strike_mm_s=max(before.motion.descent_mm_s, 0.0) if touching else 0.0,
+            strike_mm_s=before.motion.strike_mm_s if touching else 0.0,
             ago_ms=after.debounce.contact.ago_us / 1000.0 if now else 0.0,
             contacts=pointer.contacts,
         ),

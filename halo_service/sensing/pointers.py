@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
@@ -19,39 +21,76 @@ from halo_service.values import (
     Touch,
 )
 
-SMOOTHING_MS = 50.0
-"""Time constant of a pointer's velocity (chosen: two frames)."""
+FITTED_MS = 100.0
+"""A pointer's velocity is that of a line through its last places (chosen: three frames)."""
+FITTED = 4
+"""Places kept for it."""
+STRIKE_SPANS = 2
+"""The fastest of so many last spans between frames is the strike: the very last is cut short by
+the contact, and a finger that lands has slowed down since."""
 RANGE_HYSTERESIS_MM = 5.0
 """A live pointer may go this much farther than a new one may come in, so that none flickers."""
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """How a finger moves, from its last two frames."""
+class Place:
+    """Where a finger was in one frame."""
 
-    vx_mm_s: float = 0.0
-    vy_mm_s: float = 0.0
-    descent_mm_s: float = 0.0
-    """Towards the surface, by the last frames in the air."""
+    time_us: int
+    x_mm: float
+    y_mm: float
+    height_mm: float
+    """0 in touch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How a finger moves, by its last places."""
+
+    places: tuple[Place, ...] = ()
+    """Oldest first, at most `FITTED`."""
+
+    @property
+    def velocity_mm_s(self) -> tuple[float, float]:
+        """Along the surface, x and y: slopes of lines through the last places."""
+        last = self._recent()
+        return _slope(last, [each.x_mm for each in last]), _slope(
+            last, [each.y_mm for each in last]
+        )
 
     @property
     def speed_mm_s(self) -> float:
         """Along the surface."""
-        return math.hypot(self.vx_mm_s, self.vy_mm_s)
+        return math.hypot(*self.velocity_mm_s)
+
+    @property
+    def strike_mm_s(self) -> float:
+        """Towards the surface, just before a contact that is not among the places yet."""
+        spans = list(pairwise(self.places))[-STRIKE_SPANS:]
+        falls = ((a.height_mm - b.height_mm) * 1e6 / (b.time_us - a.time_us) for a, b in spans)
+        return max(0.0, *falls, 0.0)
+
+    def _recent(self) -> list[Place]:
+        since_us = self.places[-1].time_us - 1000.0 * FITTED_MS if self.places else 0.0
+        return [each for each in self.places if each.time_us >= since_us]
 
 
-def follow(before: Motion, last: Pointer | None, now: Pointer, elapsed_us: int) -> Motion:
-    """Advance a motion by one frame, from a pointer's last frame to its present one."""
-    if last is None:
-        return before
-    seconds = max(elapsed_us, 1) / 1e6
-    share = 1.0 - math.exp(-seconds * 1e3 / SMOOTHING_MS)
-    descent = (last.hover_mm - now.hover_mm) / seconds
-    return Motion(
-        before.vx_mm_s + share * ((now.x_mm - last.x_mm) / seconds - before.vx_mm_s),
-        before.vy_mm_s + share * ((now.y_mm - last.y_mm) / seconds - before.vy_mm_s),
-        descent if last.state is Touch.HOVER else 0.0,
-    )
+def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
+    """Advance a motion by one frame."""
+    place = Place(time_us, now.x_mm, now.y_mm, now.hover_mm)
+    return Motion((*before.places, place)[-FITTED:])
+
+
+def _slope(places: Sequence[Place], values: Sequence[float]) -> float:
+    """Return the least squares slope of values over time, 1/s; 0 for fewer than two."""
+    count = len(places)
+    if count < 2:
+        return 0.0
+    times = [(each.time_us - places[-1].time_us) / 1e6 for each in places]
+    mean_s, mean = sum(times) / count, sum(values) / count
+    spread = sum((time - mean_s) ** 2 for time in times)
+    together = sum((t - mean_s) * (v - mean) for t, v in zip(times, values, strict=True))
+    return together / spread
 
 
 def describe(

@@ -21,7 +21,8 @@ class SensingSettings:
     edge_margin_mm: float = 20.0
     """A pointer may leave the surface by this much."""
     fingers: Fingers = "index"
-    """Which are pointers: the index fingers alone, or every extended finger."""
+    """Which are pointers: the index fingers alone, or every extended finger (chosen: a thumb beside
+    a pointing index finger is rarely meant, and costs as much time)."""
     lost_after_ms: float = 250.0
     """A finger that the depth has not shown for so long is gone (chosen: a few frames)."""
     down_departure: float = 0.2

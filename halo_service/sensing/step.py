@@ -132,13 +132,13 @@ def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
     pointer = describe(before.id, before.slot, tip, signal, level, bounced.contact, states)
-    elapsed_us = now_us - before.path[-1].time_us if before.path else 0
-    motion = follow(before.motion, before.pointer, pointer, elapsed_us)
+    motion = follow(before.motion, pointer, now_us)
+    vx_mm_s, vy_mm_s = motion.velocity_mm_s
     if not within_reach(pointer, before.pointer is not None, profile.surface, settings):
         return None
     return replace(
         before,
-        pointer=replace(pointer, vx_mm_s=motion.vx_mm_s, vy_mm_s=motion.vy_mm_s),
+        pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s),
         path=(*(before.path if found.followed else ()), Past(now_us, tip.tip_px))[-REMEMBERED:],
         shown_us=now_us,
         detector=detector,

@@ -12,7 +12,7 @@ from halo_service.profile import Background, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.dent import dent_beside
-from halo_service.sensing.detector import Detector, detect
+from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.outline import silhouette_end
@@ -88,7 +88,7 @@ def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
 
 @pytest.mark.parametrize("yaw_deg", [0.0, 30.0, 90.0, -135.0])
 def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> None:
-    rows, columns = np.mgrid[:576, :640]
+    rows, columns = np.mgrid[:576, :640] + 0.5  # a pixel reaches from its number to the next
     yaw = np.radians(yaw_deg)
     along = (columns - 320) * np.sin(yaw) - (rows - 288) * np.cos(yaw)
     across = (columns - 320) * np.cos(yaw) + (rows - 288) * np.sin(yaw)
@@ -161,7 +161,7 @@ def test_long_hovering_close_by_does_not_hide_the_next_touch() -> None:
 
 def test_the_moment_of_contact_lies_between_the_frames() -> None:
     down = levels(-1.0, 0.1, 1.0)[-1]
-    assert down.ago_us == pytest.approx(FRAME_US * (1.0 - SETTINGS.down_level) / 0.9, abs=1)
+    assert down.ago_us == pytest.approx(FRAME_US * (1.0 - CONTACT_LEVEL) / 0.9, abs=1)
 
 
 @pytest.mark.parametrize(

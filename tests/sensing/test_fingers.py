@@ -1,0 +1,104 @@
+"""Fingers keep their ids, whatever the tracker calls them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from halo_service.sensing.fingers import Memory, Past, claim, expect, meet
+from halo_service.sensing.sightings import Sighting
+from halo_service.values import Finger, Side
+
+FRAME_US = 33_333
+
+
+def sighting(
+    x: float, n: int = 0, side: Side = Side.RIGHT, finger: Finger = Finger.INDEX
+) -> Sighting:
+    return Sighting(n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9)
+
+
+def live(*xs: float, side: Side = Side.RIGHT) -> tuple[Memory, ...]:
+    """Fingers that have been there for ten frames, up to frame 10."""
+    fingers = meet((), tuple(sighting(x, 0, side) for x in xs), 1)
+    for n in range(1, 11):
+        fingers = tuple(
+            replace(finger, path=(*finger.path, Past(n * FRAME_US, (x, 300.0)))[-8:])
+            for finger, x in zip(fingers, xs, strict=True)
+        )
+        fingers = meet(fingers, tuple(sighting(x, n, side) for x in xs), 9)
+    return fingers
+
+
+@pytest.mark.parametrize(
+    ("seen", "ids"),
+    [
+        ((sighting(100, 10), sighting(300, 10)), [1, 2]),
+        ((sighting(320, 10), sighting(110, 10)), [1, 2]),
+        ((sighting(100, 10, Side.LEFT), sighting(300, 10, Side.LEFT)), [1, 2]),
+        ((), [1, 2]),
+        ((sighting(300, 10),), [1, 2]),
+        ((sighting(100, 10), sighting(300, 10), sighting(200, 10, Side.LEFT)), [1, 2, 9]),
+        ((sighting(104, 10, finger=Finger.MIDDLE),), [1, 2]),
+        ((sighting(120, 10, finger=Finger.MIDDLE),), [1, 2, 9]),
+    ],
+    ids=[
+        "both",
+        "out of order",
+        "sides flipped",
+        "none",
+        "one lost",
+        "a third",
+        "the same finger by another name",
+        "its neighbour",
+    ],
+)
+def test_ids_stay(seen: tuple[Sighting, ...], ids: list[int]) -> None:
+    assert [finger.id for finger in meet(live(100, 300), seen, 9)] == ids
+
+
+def test_a_hand_is_the_side_that_it_is_called_most() -> None:
+    fingers = live(100)
+    for n in range(11, 15):
+        fingers = meet(fingers, (sighting(100, n, Side.LEFT),), 9)
+        assert fingers[0].side is Side.RIGHT
+    for n in range(15, 25):
+        fingers = meet(fingers, (sighting(100, n, Side.LEFT),), 9)
+    assert fingers[0].side is Side.LEFT
+
+
+def test_there_are_as_many_slots_as_fingers() -> None:
+    fingers = meet((), tuple(sighting(40.0 * n) for n in range(12)), 1)
+    assert [finger.slot for finger in fingers] == list(range(10))
+
+
+def test_a_finger_goes_on_as_it_went() -> None:
+    finger = live(100)[0]
+    finger = replace(finger, path=(*finger.path, Past(11 * FRAME_US, (106.0, 300.0))))
+    assert expect(finger, 12 * FRAME_US).tip_px == pytest.approx((112.0, 300.0), abs=0.01)
+
+
+@pytest.mark.parametrize(("off_px", "astray"), [(10.0, 0), (29.0, 0), (50.0, 1)])
+def test_a_sighting_far_off_its_path_contradicts_a_finger(off_px: float, astray: int) -> None:
+    finger = meet(live(100), (sighting(100 + off_px, 11),), 9)[0]
+    assert finger.astray == astray
+
+
+@pytest.mark.parametrize(("age", "claimed"), [(0, True), (4, True), (6, False)])
+def test_an_old_sighting_claims_nothing(age: int, claimed: bool) -> None:
+    finger = live(100)[0]
+    assert (claim(finger, (10 + age) * FRAME_US) is not None) is claimed
+
+
+def test_two_pointers_on_one_finger_become_one() -> None:
+    one, other = live(100, 300)
+    there = replace(other, path=(*other.path, Past(11 * FRAME_US, (103.0, 305.0))))
+    kept = meet((one, there), (sighting(100, 11),), 9)
+    assert [finger.id for finger in kept] == [1]
+
+
+def test_a_finger_that_the_tracker_has_long_seen_elsewhere_is_let_go() -> None:
+    fingers = live(100)
+    assert [finger.id for finger in meet(fingers, (sighting(400, 12),), 9)] == [1, 9]
+    assert [finger.id for finger in meet(fingers, (sighting(400, 30),), 9)] == [9]

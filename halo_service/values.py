@@ -8,6 +8,7 @@ view of itself; each field says its unit and its space.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal
@@ -112,6 +113,8 @@ class Fingertip:
     """0 pointing to the far edge, positive clockwise as the user sees it."""
     confidence: float
     """0 to 1: the tracker's, less what the present frame takes away."""
+    width_mm: float = math.nan
+    """Of the fingertip, between its two sides; nan where they are not clear."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,8 @@
 
 Rule: four corners tell a marker's turn and place well, and its tilt and distance badly. So those
 come from a plane: the surface's own where the marker lies on it, else the one that its depth
-shows, with the device's own unevenness, which the background shows at the same pixels, taken off.
+shows. Depth is taken where the marker is white, for what is dark reads at another distance; and
+the device's own unevenness, which the background shows at the same pixels, is taken off.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.background import average
-from halo_calibration.boards import Picture, Printed
+from halo_calibration.boards import SQUARE, Picture, Printed, marker_squares
 from halo_calibration.errors import Refused
 from halo_calibration.flat import Rigid, fit_rigid
 from halo_calibration.sighting import detect
@@ -31,10 +32,10 @@ SIZE_ERROR = 0.03
 """Measured over stated size; a printer's error and the camera's together stay below 2 %."""
 FLAT_MM = 1.5
 """Its corners lie on a square, root mean square."""
-INNER = 0.85
-"""Of the marker where its depth is taken: edges are mixed with what lies behind."""
+INNER = 0.7
+"""Of each white square where its depth is taken: edges are mixed with what is dark or behind."""
 LEAST_PX = 150
-"""Depth pixels on the marker: 12 x 12, of which a plane's tilt is known to half a degree."""
+"""Depth pixels on the marker's white, of which a plane's tilt is known to half a degree."""
 LEAST_MEASURED = 0.5
 """Of these."""
 ROUNDS = 3
@@ -81,11 +82,12 @@ def anchor_pose(
     lens, lens_from_camera = camera.colour, camera.colour_from_depth
     depth = _Depth(average(depths), background, surface, camera)
     plane, slopes = surface, np.zeros(3)
+    white = _white(marker)
     for _ in range(ROUNDS):
         rigid = fit_rigid(seen.board, plane.seen_at(seen.picture, lens, lens_from_camera))
-        slopes = depth.plane_on(_corners(rigid, marker, plane))
+        slopes = depth.plane_on(_placed(rigid, white, plane))
         plane = _plane(surface, slopes)
-    middle = surface.from_camera(_corners(rigid, marker, plane)).mean(axis=0)
+    middle = surface.from_camera(_placed(rigid, np.zeros((1, 2)), plane))[0]
     height_mm = -float(slopes @ (middle[0], middle[1], 1.0))
     tilt_deg = float(np.degrees(np.arctan(np.hypot(slopes[0], slopes[1]))))
     lies = abs(height_mm) < LIES_MM and tilt_deg < LIES_DEG
@@ -128,11 +130,20 @@ def _pose(rigid: Rigid, plane: Surface, surface: Surface) -> Points:
     )
 
 
-def _corners(rigid: Rigid, marker: Printed, plane: Surface) -> Points:
-    """(4, 3) mm of the marker in the depth camera's frame."""
+def _white(marker: Printed) -> Points:
+    """(K * 4, 2) mm, the corners of what is surely white: its light squares and those around it."""
     (number,) = marker.middles_mm
-    here = marker.corners(number) @ rigid.there_from_here[:2, :2].T + rigid.there_from_here[:2, 2]
-    return plane.to_camera(np.column_stack([here, np.zeros(4)]))
+    black = np.pad(marker_squares(marker.family, number), 1)
+    rows, columns = np.nonzero(~black)
+    middle = (np.column_stack([columns, rows]) - (len(black) - 1) / 2.0)[:, None]
+    side = marker.size_mm / marker.family.modules
+    return np.asarray(((middle + INNER * SQUARE) * side).reshape(-1, 2), dtype=np.float64)
+
+
+def _placed(rigid: Rigid, places: Points, plane: Surface) -> Points:
+    """(N, 3) mm in the depth camera's frame of (N, 2) mm on the marker."""
+    there = places @ rigid.there_from_here[:2, :2].T + rigid.there_from_here[:2, 2]
+    return plane.to_camera(np.column_stack([there, np.zeros(len(there))]))
 
 
 def _plane(surface: Surface, slopes: Points) -> Surface:
@@ -162,15 +173,14 @@ class _Depth:
         self._camera = camera
 
     def plane_on(self, corners: Points) -> Points:
-        """(3,) a, b, c of the plane z = a x + b y + c, in the surface's frame, under a marker.
+        """(3,) a, b, c of the plane z = a x + b y + c, in the surface's frame, through squares.
 
-        `corners`: (4, 3) mm in the depth camera's frame. Raises `Refused`.
+        `corners`: (K * 4, 3) mm of the squares, in the depth camera's frame. Raises `Refused`.
         """
         lens = self._camera.depth
-        around = lens.project(corners)
-        inner = around.mean(axis=0) + INNER * (around - around.mean(axis=0))
         mask = np.zeros((lens.height, lens.width), np.uint8)
-        cv2.fillConvexPoly(mask, np.round(inner).astype(np.int32), (1,))
+        for square in lens.project(corners).reshape(-1, 4, 2):
+            cv2.fillConvexPoly(mask, np.round(square).astype(np.int32), (1,))
         on = mask.astype(np.bool_)
         measured = on & self._both
         every, count = int(np.count_nonzero(on)), int(np.count_nonzero(measured))

@@ -101,7 +101,7 @@ def anchor(family: str, marker: int, size_mm: float) -> Printed:
         raise UserError(f"{family} has the markers 0 to {count - 1}, and no {marker}")
     if not 10.0 <= size_mm <= 1000.0:
         raise UserError(f"a marker of {size_mm:g} mm cannot be used; give 10 to 1000 mm")
-    return Printed(f"marker {marker}", known, size_mm, {marker: (0.0, 0.0)})
+    return Printed(f"printed marker {marker}", known, size_mm, {marker: (0.0, 0.0)})
 
 
 ANCHOR = anchor("apriltag-36h11", 0, 80.0)

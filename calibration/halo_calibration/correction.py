@@ -69,11 +69,11 @@ class Model:
     def __init__(self, surface: Surface, base: Base | None, samples: Samples | None) -> None:
         """`samples`: (N, 5) the user's sweep, or None before it."""
         self._middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0])
-        self._base = None if base is None else _boosted(base.relative[:, :4], base.relative[:, 4])
+        self._base = None if base is None else boosted(base.relative[:, :4], base.relative[:, 4])
         self._user = None
         if samples is not None and len(samples):
             known = samples[:, 4] / np.median(samples[:, 4]) / self._from_base(samples[:, :4])
-            self._user = _boosted(samples[:, :4] - self._middle, known)
+            self._user = boosted(samples[:, :4] - self._middle, known)
 
     def expect(self, where: NDArray[np.float64]) -> NDArray[np.float64]:
         """(N, 4) x, y, pitch, yaw to (N,) relative signal."""
@@ -155,7 +155,7 @@ def _axes(surface: Surface) -> tuple[NDArray[np.float64], ...]:
     )
 
 
-def _boosted(features: NDArray[np.float64], signal: NDArray[np.float64]) -> Any:
+def boosted(features: NDArray[np.float64], signal: NDArray[np.float64]) -> Any:
     """Fit the paper's regressor; the same samples give the same trees."""
     from sklearn.ensemble import HistGradientBoostingRegressor  # costs a second to import
 

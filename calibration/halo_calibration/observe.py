@@ -9,9 +9,10 @@ from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.extraction import extract, line_pixels
-from halo_service.sensing.fingertips import locate, sightings
+from halo_service.sensing.fingertips import locate
 from halo_service.sensing.revealer import reveal
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.sightings import sightings
 from halo_service.values import Frame, Side, Tracked
 
 Look = Callable[[Frame], Tracked]

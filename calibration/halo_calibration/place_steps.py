@@ -16,8 +16,8 @@ from halo_calibration.boards import Picture, Printed, Projected
 from halo_calibration.dwell import Place
 from halo_calibration.errors import Refused
 from halo_calibration.graycode import decode
+from halo_calibration.homography import Solved
 from halo_calibration.projector_solver import (
-    Solved,
     projector_by_gray_code,
     projector_by_markers,
     projector_by_touches,

@@ -17,10 +17,8 @@ from tqdm import tqdm
 
 from halo_service.app.config import Settings, TrackingSettings
 from halo_service.app.eyes import Eyes, model_for
-from halo_service.app.files import STDOUT, written
 from halo_service.errors import UserError
-from halo_service.evaluation import matrix, rows
-from halo_service.evaluation.brief import brief
+from halo_service.evaluation import matrix
 from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
@@ -74,18 +72,21 @@ class Recorded:
     """A recording to judge."""
 
     recording: Path
-    truth: Path
+    truth: Path | None
+    """None: nobody knows it, and the script says what was asked of the person."""
     script: Path | None
     methods: tuple[str, ...]
 
 
 def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
-    """Judge a recording against its truth; raises `UserError` where one of both is none."""
+    """Judge a recording by its truth or its script; raises `UserError` where one is none."""
+    if asked.truth is None and asked.script is None:
+        raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
     methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
-    truth = read_lines(asked.truth, "truth")
+    truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
@@ -163,12 +164,3 @@ def _tracker(tracking: TrackingSettings) -> str:
     """Name the hand tracker by all that makes it see what it sees."""
     model = hashlib.sha256(model_for(tracking).read_bytes()).hexdigest()[:12]
     return f"mediapipe {version('mediapipe')} {model}"
-
-
-def tell(results: Sequence[Result], csv: str | None) -> None:
-    """Print what came of it, and write every figure where that is wanted."""
-    if csv is not None:
-        with written(csv) as file:
-            rows.write(results, version("halo-service"), file)
-    if csv != STDOUT:
-        print("\n".join(brief(results)))

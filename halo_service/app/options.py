@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import halo_protocol as wire
-from halo_service.app import verbs
+from halo_service.app import evaluate_options, verbs
 
 EPILOG = """\
 examples:
@@ -17,6 +17,7 @@ examples:
   halo demo drums                           drums (or paint) without a camera
   halo monitor                              what a running service sends, in the terminal
   halo replay take.mkv --profile desk --jsonl take.jsonl
+  halo evaluate --quick                     how good the sensing is, on virtual people
 """
 
 
@@ -61,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
             "verify", parents=[common], help="touch a projected grid, and see how far off it is"
         )
     )
-    _evaluate_options(
+    evaluate_options.add_to(
         commands.add_parser("evaluate", parents=[common], help="how good the sensing is")
     )
     _profile_options(
@@ -72,6 +73,9 @@ def parser() -> argparse.ArgumentParser:
     )
     targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
     targets.set_defaults(run=verbs.targets)
+    _bench_options(
+        commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
+    )
     doctor = commands.add_parser("doctor", parents=[common], help="what is missing, and the remedy")
     doctor.add_argument("--source", metavar="S", help="as for serve")
     doctor.set_defaults(run=verbs.doctor)
@@ -163,6 +167,18 @@ def _calibrate_options(verb: argparse.ArgumentParser) -> None:
     verb.set_defaults(run=verbs.calibrate)
 
 
+def _bench_options(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--hands", type=int, choices=(1, 2), help="look for so many (default: both by turns)"
+    )
+    verb.add_argument(
+        "--seconds", type=float, default=15.0, metavar="N", help="length of a take (default 15)"
+    )
+    verb.add_argument("--source", metavar="S", help="recording:FILE or sim[:SCENARIO]")
+    verb.add_argument("--json", metavar="FILE", help="write all figures; - for stdout")
+    verb.set_defaults(run=verbs.bench)
+
+
 def _place_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--by", metavar="WAY", help="surface: view, markers, touch; projector: markers, gray, touch"
@@ -201,39 +217,6 @@ def _verify_options(verb: argparse.ArgumentParser) -> None:
         "--within-mm", type=float, default=5.0, metavar="MM", help="what 95 %% must keep to pass"
     )
     verb.set_defaults(run=verbs.verify)
-
-
-def _evaluate_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="judge this one")
-    verb.add_argument("--truth", type=Path, metavar="T.jsonl", help="what was true of it")
-    verb.add_argument("--script", type=Path, metavar="S.json", help="the levels held in it")
-    verb.add_argument("--quick", action="store_true", help="a small part of it, in 5 minutes")
-    verb.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
-    verb.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")
-    verb.add_argument("--materials", type=_names, default=(), metavar="M,...", help="paper,...")
-    verb.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
-    verb.add_argument("--labels", type=Path, metavar="DIR", help="real people's touches to play")
-    verb.add_argument("--keep", type=Path, metavar="DIR", help="where takes are kept")
-    verb.add_argument("--kept-only", action="store_true", help="draw nothing: what is kept there")
-    verb.add_argument("--jobs", type=_count, metavar="N", help="processes (default: the cores)")
-    verb.add_argument("--csv", metavar="FILE", help="every figure of every person")
-    verb.set_defaults(run=verbs.evaluate)
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(part for part in text.split(",") if part)
-
-
-def _numbers(text: str) -> tuple[int, ...]:
-    if not all(part.isdecimal() for part in _names(text)):
-        raise argparse.ArgumentTypeError(f"{text!r} must be whole numbers with commas between")
-    return tuple(int(part) for part in _names(text))
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} must be a whole number from 1 up")
-    return int(text)
 
 
 def _profile_options(verb: argparse.ArgumentParser) -> None:

@@ -156,31 +156,38 @@ def verify(options: argparse.Namespace) -> int:
 
 
 def evaluate(options: argparse.Namespace) -> int:
-    """Run the study or judge a recording, and print what came of it."""
+    """Run the study or judge a recording, and tell what came of it."""
     from halo_service.app import evaluate as bench
     from halo_service.app.config import load
+    from halo_service.app.evaluate_told import Telling, telling
+    from halo_service.app.first_light import first_light
 
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
-    if options.recording is not None:
-        if options.truth is None:
-            raise UserError("evaluate RECORDING needs its truth: --truth T.jsonl")
-        recorded = bench.Recorded(options.recording, options.truth, options.script, options.method)
-        results = bench.evaluate_recording(settings, recorded)
-    else:
-        asked = bench.Asked(
-            options.quick,
-            options.method,
-            options.users,
-            options.materials,
-            options.tasks,
-            options.labels,
-            options.keep,
-            options.kept_only,
-            options.jobs,
-        )
-        results = bench.evaluate(settings, asked)
-    bench.tell(results, options.csv)
+    with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
+        if options.live is not None:
+            source = replace(settings.source, name=options.source or settings.source.name)
+            recording, script = first_light(replace(settings, source=source), options.live)
+            recorded = bench.Recorded(recording, None, script, options.method)
+            tell(bench.evaluate_recording(settings, recorded))
+        elif options.recording is None:
+            asked = bench.Asked(
+                options.quick,
+                options.method,
+                options.users,
+                options.materials,
+                options.tasks,
+                options.labels,
+                options.keep,
+                options.kept_only,
+                options.jobs,
+            )
+            tell(bench.evaluate(settings, asked))
+        else:
+            recorded = bench.Recorded(
+                options.recording, options.truth, options.script, options.method
+            )
+            tell(bench.evaluate_recording(settings, recorded))
     return 0
 
 
@@ -218,6 +225,19 @@ def profile(options: argparse.Namespace) -> int:
         print(options.out)
     else:
         print(profiles.import_profile(options.file, options.name))
+    return 0
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Measure how soon packets leave."""
+    from halo_service.app.bench import Asked
+    from halo_service.app.bench import bench as measure
+    from halo_service.app.config import load
+
+    settings = load(options.config)
+    profile = options.profile or settings.profile
+    asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
+    measure(asked, settings)
     return 0
 
 

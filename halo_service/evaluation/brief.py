@@ -54,13 +54,12 @@ def _levels(scores: Scores) -> str:
         return ""
     kind = scores.trials[0].kind
     unit = "mm" if kind == "hover" else "% of 385 g"
-    parts = [
-        f"{level:g}: {_mean(scores.trials, level):.1f}"
-        for level in sorted({trial.level for trial in scores.trials})
-    ]
-    return f"{kind} error {_mean(scores.trials):.2f} {unit} ({', '.join(parts)})"
+    levels = sorted({trial.level for trial in scores.trials})
+    parts = [f"{level:g}: {_mean(scores.trials, level)}" for level in levels]
+    unseen = 100.0 * float(np.mean([trial.unseen for trial in scores.trials]))
+    return f"{kind} error {_mean(scores.trials)} {unit} ({', '.join(parts)}), {unseen:.1f} % unseen"
 
 
-def _mean(trials: Sequence[Trial], level: float | None = None) -> float:
-    errors = [trial.error for trial in trials if level in (None, trial.level)]
-    return float(np.mean(errors))
+def _mean(trials: Sequence[Trial], level: float | None = None) -> str:
+    errors = [t.error for t in trials if level in (None, t.level) and np.isfinite(t.error)]
+    return f"{np.mean(errors):.2f}" if errors else "-"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -99,7 +98,7 @@ class Studio:
             return self.path(person, task).is_file()
         try:
             return made_of(self.path(person, task)) == self.made(person, task)
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        except (OSError, ValueError):
             return False  # not there, or damaged: it is made anew
 
     def provide(self, person: Person, task: Task) -> None:

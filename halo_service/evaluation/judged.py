@@ -11,7 +11,9 @@ from halo_service.errors import UserError
 from halo_service.evaluation.calibrated import profile_hash, settings_hash
 from halo_service.evaluation.kept import Line
 from halo_service.evaluation.result import Result, Subject
+from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.take import score
+from halo_service.evaluation.scores.truth import read_truth
 from halo_service.evaluation.together import Look, Once, captures_of, together
 from halo_service.profile import Profile
 from halo_service.runtime.method import Method
@@ -28,13 +30,16 @@ def judged(
     task: str,
     method: str,
     told: Sequence[TouchFrame],
-    truth: Sequence[Line],
+    truth: Sequence[Line] | None,
     script: Sequence[Line],
     profile: Profile,
     settings: SensingSettings,
 ) -> Result:
-    """Score what a method published of one take."""
-    scores = score(told, truth, script, profile.surface)
+    """Score what a method published of one take; `truth` None: by what the script asked for."""
+    if truth is None:
+        scores = score_asked(told, script, profile.surface)
+    else:
+        scores = score(told, truth, script, profile.surface)
     hashes = profile_hash(profile), settings_hash(settings)
     return Result(subject, task, method, scores, "", *hashes)
 
@@ -46,25 +51,35 @@ def recording_judged(
     methods: Sequence[Method[Any]],
     profile: Profile,
     settings: SensingSettings,
-    truth: Sequence[Line],
+    truth: Sequence[Line] | None,
     script: Sequence[Line],
 ) -> tuple[Result, ...]:
     """Run methods over a recording with one and the same profile, and judge them.
 
-    Raises `UserError` where the recording breaks off, or the truth is none.
+    Raises `UserError` where the recording breaks off, or truth or script is none.
     """
+    _require_sense(truth, script, profile)
     profiles = dict.fromkeys((method.name for method in methods), profile)
     told = together(captures_of(source), source.camera, Once(look), methods, profiles, settings)
     subject = Subject(name)
+    return tuple(
+        judged(subject, RECORDING, method, told[method], truth, script, profile, settings)
+        for method in told
+    )
+
+
+def _require_sense(truth: Sequence[Line] | None, script: Sequence[Line], profile: Profile) -> None:
+    """Raise `UserError` for a truth or a script that is none, before a recording is sensed."""
     try:
-        return tuple(
-            judged(subject, RECORDING, method, told[method], truth, script, profile, settings)
-            for method in told
-        )
-    except (KeyError, TypeError, ValueError) as error:
+        if truth is not None and not read_truth(truth, profile.surface).frames:
+            raise ValueError("it tells of no frame")
+        for step in script:
+            if not step["from_s"] < step["to_s"]:
+                raise ValueError(f"the step {step['step']!r} ends before it begins")
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise UserError(
-            f"the truth of {name} cannot be understood ({error!r}); give --truth the file that "
-            f"'halo simulate --truth' wrote beside the recording"
+            f"the truth or script cannot be understood ({error!r}); give the files that "
+            f"'halo simulate' wrote beside the recording"
         ) from error
 
 

@@ -9,6 +9,7 @@ plus the device's drift. The sensing reads no infrared and no colour, so none is
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -133,9 +134,12 @@ def save(path: Path, kept: Kept, made: str) -> None:
 
 
 def made_of(path: Path) -> str:
-    """Return what a take depends on; raises OSError, KeyError or ValueError for what is none."""
-    with np.load(path, allow_pickle=False) as file:
-        return str(file["made"])
+    """Return what a take depends on. Raises OSError without a file, ValueError for another one."""
+    try:
+        with path.open("rb") as bytes_, np.load(bytes_, allow_pickle=False) as file:
+            return str(file["made"])
+    except (zipfile.BadZipFile, EOFError, KeyError) as error:
+        raise ValueError(f"{path} is no take ({error})") from error
 
 
 def load(path: Path) -> Kept:

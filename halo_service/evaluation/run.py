@@ -15,6 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from multiprocessing import connection
 from typing import Any
 
@@ -22,10 +23,7 @@ import cv2
 
 from halo_calibration.errors import Refused
 from halo_service.errors import UserError
-from halo_service.evaluation.calibrated import (
-    Calibrated,
-    calibrate,
-)
+from halo_service.evaluation.calibrated import Calibrated, calibrate
 from halo_service.evaluation.capture import Studio
 from halo_service.evaluation.judged import judged
 from halo_service.evaluation.kept import load, restore
@@ -37,9 +35,9 @@ from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.naming import wish
 
-DRAWN_MS, SENSED_MS = 30.0, 3.0
-"""What a frame costs to draw and track once, and to sense for each method: for the progress bar,
-measured on a slow core."""
+DRAWN_MS, SENSED_MS, CALIBRATED_S = 30.0, 2.0, 9.0
+"""What a frame costs to draw and track once, a frame to sense and a person to calibrate for each
+method: for the progress bar, measured on a slow core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +111,19 @@ def _conduct(
     progress: Progress,
 ) -> None:
     """Hand out the work: a person's tasks when she is calibrated."""
+    costs = {
+        (person, task): _work_s(order, person, task)
+        for person, tasks in order.plan.items()
+        for task in (CALIBRATION, *tasks)
+    }
+    people = iter(order.plan)
     pending: dict[Future[Any], tuple[Person, Task]] = {}
-    costs = {}
-    for person, tasks in order.plan.items():
-        for task in (CALIBRATION, *tasks):
-            costs[person, task] = _work_s(order, person, task)
-        pending[pool.submit(_prepare, order, person)] = person, CALIBRATION
-    while pending:
+    while True:
+        # One ahead of the processes: profiles are large, and who is begun is best finished first.
+        for person in islice(people, max(0, order.jobs + 1 - len(pending))):
+            pending[pool.submit(_prepare, order, person)] = person, CALIBRATION
+        if not pending:
+            return
         for future in wait(pending, return_when=FIRST_COMPLETED).done:
             person, task = pending.pop(future)
             outcome = future.result()
@@ -132,9 +136,11 @@ def _conduct(
 
 
 def _work_s(order: Order, person: Person, task: Task) -> float:
-    methods = 1 if task == CALIBRATION else len(order.methods)
-    frame_ms = methods * SENSED_MS + (0.0 if order.studio.has(person, task) else DRAWN_MS)
-    return task.seconds * FPS * frame_ms / 1e3
+    frames, methods = task.seconds * FPS, len(order.methods)
+    drawn_s = 0.0 if order.studio.has(person, task) else frames * DRAWN_MS / 1e3
+    if task == CALIBRATION:
+        return drawn_s + methods * CALIBRATED_S
+    return drawn_s + methods * frames * SENSED_MS / 1e3
 
 
 def _prepare(order: Order, person: Person) -> Calibrated:

@@ -8,8 +8,8 @@ from itertools import count
 
 from halo_service.sensing.debounce import Debounce
 from halo_service.sensing.detector import Detector
-from halo_service.sensing.fingertips import Pixel, Sighting
 from halo_service.sensing.pointers import Motion
+from halo_service.sensing.sightings import Pixel, Sighting
 from halo_service.values import Pointer, TouchEvent
 
 SAME_FINGER_PX = 80.0

@@ -1,77 +1,37 @@
 """Stage 3: fingertips, carried forward from the tracker's frame to the present one.
 
 The hand tracker is late by a frame or more and its landmarks are some pixels off. So each tip
-is moved by what the same finger has done since, then put on the end of the finger's silhouette
-in the present depth frame.
+is moved by what the same finger has done since, then put on the end of the finger's outline in
+the present depth frame. Under the middle of that round end lies the pad.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from halo_service.geometry.camera import Camera
+from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
+from halo_service.sensing.outline import Outline, outline
 from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.ridge import angles
-from halo_service.values import Depth, Finger, Fingertip, Hand, Side, Tracked
+from halo_service.sensing.ridge import angles, height_behind
+from halo_service.sensing.sightings import Pixel, Sighting
+from halo_service.values import Depth, Fingertip
 
-Pixel = tuple[float, float]
-
-INDEX_PIP, INDEX_DISTAL, INDEX_TIP, WRIST = 6, 7, 8, 0
-"""MediaPipe's landmark numbers."""
-PAD_BACK_MM = 7.0
-"""The pad's lowest point lies this far behind the silhouette's end (chosen: half a fingertip)."""
-ROI_PX = 22
-"""Half the window in which the silhouette is sought: a fast finger's way in one frame."""
-HALF_WIDTH_PX = 9.0
-"""Half a finger's width at 0.5 m, px."""
-LEAST_HAND_PX = 20
-"""Fewer hand pixels in the window are noise."""
-PAD_REACH_PX = 1
-"""The nail is read off the median of 3 x 3 pixels."""
+TIP_RADIUS_MM = 7.0
+"""Of a fingertip, where none was measured (chosen: half an adult's index finger)."""
 UNSEEN_CONFIDENCE = 0.4
 """Factor for a tip that the present frame does not show."""
+UNCLEAR_CONFIDENCE = 0.7
+"""Factor for a tip whose outline is no clear edge."""
 VALID_PITCH_DEG = (15.0, 75.0)
 """Between these the paper's halo is reliable (paper 4.3.4)."""
 STEEP_CONFIDENCE = 0.5
 """Factor for pitches outside of it."""
 TYPICAL_PITCH_DEG = 45.0
 """Assumed where the finger's depth is unmeasured: the paper's wedge (paper 4.3.5)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Sighting:
-    """An extended index finger in the tracker's frame."""
-
-    time_us: int
-    side: Side
-    finger: Finger
-    tip_px: Pixel
-    distal_px: Pixel
-    confidence: float
-
-
-def sightings(tracked: Tracked | None) -> tuple[Sighting, ...]:
-    """Return the extended index fingers of the tracked hands."""
-    if tracked is None:
-        return ()
-    return tuple(
-        Sighting(
-            tracked.time_us,
-            hand.side,
-            Finger.INDEX,
-            _pixel(hand.landmarks_px[INDEX_TIP]),
-            _pixel(hand.landmarks_px[INDEX_DISTAL]),
-            hand.confidence,
-        )
-        for hand in tracked.hands
-        if _extended(hand)
-    )
 
 
 def locate(
@@ -81,25 +41,33 @@ def locate(
     depth: Depth,
     profile: Profile,
     thickness_mm: float,
+    radius_mm: float = TIP_RADIUS_MM,
 ) -> Fingertip:
     """Find a sighted tip in the present frame.
 
-    `moved_px`: how far this finger's tip has gone since the tracker's frame, as far as known.
+    `moved_px`: how far this finger's tip has gone since the tracker's frame, as far as known;
+    `thickness_mm`, `radius_mm`: of the fingertip, from pad to nail and from side to middle.
     """
     camera, surface = profile.camera, profile.surface
-    direction = _unit(sighting.distal_px, sighting.tip_px)
+    towards = _unit(sighting.distal_px, sighting.tip_px)
     guess = (sighting.tip_px[0] + moved_px[0], sighting.tip_px[1] + moved_px[1])
-    seen = silhouette_end(revealed.hand, guess, direction)
-    tip = seen or guess
-    shift = (tip[0] - sighting.tip_px[0], tip[1] - sighting.tip_px[1])
-    distal = (sighting.distal_px[0] + shift[0], sighting.distal_px[1] + shift[1])
+    px_per_mm = camera.depth.fx / max(float(surface.camera_from_surface[2, 3]), 1.0)
+    seen = outline(revealed.excess_mm, depth, guess, towards, radius_mm * px_per_mm)
+    end = seen or Outline(guess, towards, math.nan, False)
+    tip, direction = end.tip_px, end.direction
+    back_px = math.dist(sighting.distal_px, sighting.tip_px)
+    distal = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
 
-    pad, top_mm = _pad(tip, direction, depth, camera, surface, thickness_mm)
+    top_mm = height_behind(revealed.excess_mm, tip, direction, radius_mm * px_per_mm)
+    height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
+    rays = camera.depth.rays(np.array([tip, distal]))
+    pad = _pad(rays, surface, height + radius_mm, radius_mm)
     read = angles(depth, revealed.hand, tip, direction, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
-    height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
-    confidence = sighting.confidence * (1.0 if seen else UNSEEN_CONFIDENCE)
+    confidence = sighting.confidence
+    if not end.clear:
+        confidence *= UNCLEAR_CONFIDENCE if seen else UNSEEN_CONFIDENCE
     if not VALID_PITCH_DEG[0] <= pitch <= VALID_PITCH_DEG[1]:
         confidence *= STEEP_CONFIDENCE
     return Fingertip(
@@ -113,85 +81,24 @@ def locate(
         pitch,
         yaw,
         confidence,
+        end.width_px / px_per_mm,
     )
 
 
-def silhouette_end(hand: NDArray[np.bool_], guess: Pixel, direction: Pixel) -> Pixel | None:
-    """Return the end of the finger's silhouette near a guess, or None where no finger is.
+def _pad(rays: Points, surface: Surface, height_mm: float, radius_mm: float) -> tuple[float, float]:
+    """Return the pad's x, y on the surface.
 
-    `hand`: (H, W) mask; `direction`: unit vector from joint to tip.
+    `rays`: (2, 3) through the outline's end and through a point behind it; `height_mm`: of the
+    round tip's middle, where a camera sees its outline. Its lowest point lies under that middle,
+    whatever the finger's pitch.
     """
-    tip = guess
-    for _ in range(2):  # the second pass looks straight along the finger, the first may look askew
-        left, top = round(tip[0]) - ROI_PX, round(tip[1]) - ROI_PX
-        window = hand[
-            max(top, 0) : max(top + 2 * ROI_PX, 0), max(left, 0) : max(left + 2 * ROI_PX, 0)
-        ]
-        rows, columns = np.nonzero(window)
-        dx, dy = columns + max(left, 0) - tip[0], rows + max(top, 0) - tip[1]
-        along = dx * direction[0] + dy * direction[1]
-        across = dy * direction[0] - dx * direction[1]
-        finger = np.abs(across) <= HALF_WIDTH_PX
-        if np.count_nonzero(finger) < LEAST_HAND_PX:
-            return None
-        along, across = along[finger], across[finger]
-        end = float(np.partition(along, -3)[-3])  # the third farthest: two may be stray pixels
-        middle = float(across[along > end - HALF_WIDTH_PX].mean())
-        tip = (
-            tip[0] + end * direction[0] - middle * direction[1],
-            tip[1] + end * direction[1] + middle * direction[0],
-        )
-    return tip
-
-
-def _extended(hand: Hand) -> bool:
-    """Say whether the index finger points: the tip is farther from the wrist than the knuckle."""
-    wrist, knuckle, tip = (hand.landmarks_px[i] for i in (WRIST, INDEX_PIP, INDEX_TIP))
-    return bool(np.linalg.norm(tip - wrist) > np.linalg.norm(knuckle - wrist))
-
-
-def _pad(
-    tip: Pixel,
-    direction: Pixel,
-    depth: Depth,
-    camera: Camera,
-    surface: Surface,
-    thickness_mm: float,
-) -> tuple[tuple[float, float], float]:
-    """Return the pad's x, y on the surface and the height of the finger's upper side above it."""
-    distance_mm = float(surface.camera_from_surface[2, 3])
-    back_px = PAD_BACK_MM * camera.depth.fx / max(distance_mm, 1.0)
-    above = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
-    seen = _on_surface(above, depth, camera, surface)
-    if seen is not None:
-        return (float(seen[0]), float(seen[1])), float(-seen[2])
-    ray = camera.depth.rays(np.array([above]))[0]
     rotation, origin = surface.camera_from_surface[:3, :3], surface.camera_from_surface[:3, 3]
     normal = rotation[:, 2]
-    scale = (normal @ origin - thickness_mm) / (normal @ ray)
-    x, y, _ = surface.from_camera((ray * scale)[None])[0]
-    return (float(x), float(y)), math.nan
-
-
-def _on_surface(
-    px: Pixel, depth: Depth, camera: Camera, surface: Surface
-) -> NDArray[np.float64] | None:
-    """Return what a pixel and those beside it see in the surface's frame, mm, or None."""
-    column, row = round(px[0]), round(px[1])
-    near = depth[
-        max(row - PAD_REACH_PX, 0) : max(row + PAD_REACH_PX + 1, 0),
-        max(column - PAD_REACH_PX, 0) : max(column + PAD_REACH_PX + 1, 0),
-    ]
-    measured = np.sort(near[near > 0])
-    if measured.size == 0:
-        return None
-    ray = camera.depth.rays(np.array([px]))
-    depth_mm = float(measured[(measured.size - 1) // 2])
-    return np.asarray(surface.from_camera(ray * depth_mm)[0])
-
-
-def _pixel(point: NDArray[np.float64]) -> Pixel:
-    return float(point[0]), float(point[1])
+    reach = (normal @ origin - height_mm) / (rays @ normal)
+    end, behind = surface.from_camera(rays * reach[:, None])[:, :2]
+    back = (behind - end) / max(float(np.linalg.norm(behind - end)), 1e-6)
+    x, y = end + radius_mm * back
+    return float(x), float(y)
 
 
 def _unit(start: Pixel, end: Pixel) -> Pixel:

@@ -30,19 +30,22 @@ LEAST_PX = 3
 """Fewer pixels make no ridge."""
 LEAST_ROWS = 4
 """Fewer rows make no line."""
-SEGMENT_MM = (5.0, 22.0)
-"""The last segment, as the crow flies from the ridge's first point: nearer the tip is round and
-mixed with the surface, farther the next segment begins (fingertips are 16 to 20 mm long)."""
+SEGMENT_MM = (18.0, 42.0)
+"""What tells the pitch, as the crow flies from the ridge's first point: above the halo, which bends
+the last 2 cm of a low finger by up to 20 degrees, so that a pitch would tell the force instead
+(chosen: over the four held states the pitch changes by 2 to 5 degrees, from 10 to 14 nearer)."""
 FINGER_MM = (3.0, 45.0)
 """The segments that share a yaw: a finger bends in one plane."""
-TAPER_DEG = 10.0
-"""The upper side is steeper than the axis: a fingertip is thinner than its joint, and its end is
-averaged with the surface (chosen: what the virtual sensor shows at pitches of 15 to 45 degrees)."""
+TAPER_DEG = 6.0
+"""The upper side is steeper than the axis: a finger is thinner at its end (chosen: what the virtual
+hand shows at 45 degrees)."""
+NAIL = np.arange(-2.0, 3.0)
+"""Rows and columns, px, whose mean is the height of the upper side."""
 FAR = np.iinfo(np.uint16).max
 
 
 class Angles(NamedTuple):
-    """Of the last segment."""
+    """Of the finger's last two segments."""
 
     pitch_deg: float
     yaw_deg: float
@@ -75,6 +78,23 @@ def angles(
     run, fall = _along(np.column_stack([ahead, segment[:, 2]]))
     pitch = math.degrees(math.atan2(fall, run)) - TAPER_DEG
     return Angles(pitch, math.degrees(math.atan2(across, -forward)))
+
+
+def height_behind(
+    excess_mm: NDArray[np.float32], tip: Pixel, direction: Pixel, back_px: float
+) -> float:
+    """Return how high the upper side is so far behind the tip, mm; nan where unmeasured.
+
+    Read against the empty surface seen in the same pixels, so that what the camera always reads
+    wrongly there cancels out.
+    """
+    x = np.rint(tip[0] - (back_px + NAIL[:, None]) * direction[0] - NAIL * direction[1])
+    y = np.rint(tip[1] - (back_px + NAIL[:, None]) * direction[1] + NAIL * direction[0])
+    height, width = excess_mm.shape
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    read = excess_mm[y[inside].astype(np.intp), x[inside].astype(np.intp)]
+    read = read[read != 0.0]
+    return float(-read.mean()) if read.size else math.nan
 
 
 def _ridge(

@@ -17,10 +17,11 @@ from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract, line_pixels
 from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, moved_since
-from halo_service.sensing.fingertips import locate, sightings
+from halo_service.sensing.fingertips import locate
 from halo_service.sensing.pointers import describe, follow, within_reach
 from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.sightings import sightings
 from halo_service.sensing.states import touch_level
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
 

@@ -61,6 +61,17 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
 
 
 @pytest.mark.slow
+def test_a_rival_sees_touches_too_and_twice_the_same(session: Path, tmp_path: Path) -> None:
+    options = ("--profile", str(session / "profile"), "--method", "paper")
+    told = replay(session, tmp_path / "once.jsonl", *options)
+    replay(session, tmp_path / "again.jsonl", *options)
+    assert (tmp_path / "once.jsonl").read_bytes() == (tmp_path / "again.jsonl").read_bytes()
+    kinds = [event["kind"] for line in told for event in line["events"]]
+    assert kinds.count("down") > 0
+    assert kinds.count("down") - kinds.count("up") in (0, 1)  # the take may end in a touch
+
+
+@pytest.mark.slow
 def test_without_a_profile_there_are_frames_without_pointers(session: Path, tmp_path: Path) -> None:
     told = replay(session, tmp_path / "none.jsonl")
     assert [line["frame"] for line in told] == list(range(len(told)))

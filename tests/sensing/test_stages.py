@@ -10,8 +10,8 @@ from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import Detector, detect
 from halo_service.sensing.extraction import extract
-from halo_service.sensing.fingertips import silhouette_end
 from halo_service.sensing.hover import hover_height
+from halo_service.sensing.outline import silhouette_end
 from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.revealer import reveal
 from halo_service.sensing.settings import SensingSettings
@@ -200,5 +200,5 @@ def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() ->
 
 
 def test_no_silhouette_is_no_tip() -> None:
-    assert silhouette_end(np.zeros((576, 640), bool), (320.0, 288.0), (0.0, -1.0)) is None
-    assert silhouette_end(np.ones((576, 640), bool), (-500.0, 288.0), (0.0, -1.0)) is None
+    assert silhouette_end(np.zeros((576, 640), bool), (320.0, 288.0), (0.0, -1.0), 7.0) is None
+    assert silhouette_end(np.ones((576, 640), bool), (-500.0, 288.0), (0.0, -1.0), 7.0) is None

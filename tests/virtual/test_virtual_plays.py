@@ -11,7 +11,7 @@ from halo_service.values import Finger, Side
 from halo_service.virtual import truth
 from halo_service.virtual.camera import factory
 from halo_service.virtual.naming import wish
-from halo_service.virtual.plays import ENDING, SCENARIOS, play, typing
+from halo_service.virtual.plays import ENDING, SCENARIOS, play, threshold, typing
 from halo_service.virtual.plays import labels as label_play
 from halo_service.virtual.plays.study import FORCES_G, HEIGHTS_MM, targets
 from halo_service.virtual.room import draw_room
@@ -151,6 +151,33 @@ def test_typed_keys_spell_phrases_and_mostly_lie_inside():
     assert np.median(gaps) == pytest.approx(0.45, abs=0.08)
     tips = [[h.pad(Finger.INDEX)[0] for h in stage.hands] for _, stage in stages[25:]]
     assert min(right - left for left, right in tips) > 5.0  # hands do not cross
+
+
+def test_typing_styles_trade_speed_for_aim():
+    pace, scatter = {}, {}
+    for name in ("typing-accurate", "typing", "typing-fast"):
+        _, _, contacts = run(f"sim:{name}?seed=2", 40.0, 0.4)
+        pace[name] = np.median(np.diff([c.from_s for c in contacts]))
+        aims = [np.subtract((c.x_mm, c.y_mm), c.target_mm) for c in contacts]
+        scatter[name] = np.std(aims)
+    assert sorted(pace, key=pace.get) == ["typing-fast", "typing", "typing-accurate"]
+    assert sorted(scatter, key=scatter.get) == ["typing-accurate", "typing", "typing-fast"]
+
+
+def test_re_taps_rise_by_what_their_step_says():
+    played, _, contacts = run("sim:threshold?seed=2", 50.0, 0.4)
+    assert played.finished
+    lifts = sorted(step.fields["lift_mm"] for step in played.steps)
+    assert lifts == sorted(threshold.LIFTS_MM * threshold.ROUNDS)
+    assert len(contacts) == len(lifts) + threshold.ROUNDS
+    for step in played.steps:
+        assert sum(step.from_s <= c.from_s <= step.to_s for c in contacts) == 1
+    played, stages, _ = run("sim:threshold?seed=2", 8.0, 0.02)
+    assert len(played.steps) >= len(threshold.LIFTS_MM)
+    for step in played.steps:
+        within = [stage.hands[0] for t, stage in stages if step.from_s <= t <= step.to_s]
+        risen = max(-hand.pad(Finger.INDEX)[2] for hand in within)
+        assert risen == pytest.approx(step.fields["lift_mm"], abs=0.5)
 
 
 def test_ten_fingers_all_touch():

@@ -1,0 +1,116 @@
+"""Whether infrared alone would do for the hand tracker: `python benchmarks/tracking.py [SIM ...]`.
+
+Shows the same virtual takes to two trackers, one on the paper's blend of infrared and colour, one
+on the infrared alone. Prints how often each index finger is found, how far landmark 8 is from the
+true pad, and the CPU time of a look. The virtual hand's infrared is plainly shaded: what holds
+here may not hold of skin.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+os.environ["OMP_NUM_THREADS"] = "1"  # before the imports below: as the service holds it
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.evaluation.latency.handed import handed, unpacked
+from halo_service.tracking.blend import ColourWarp, Picture, blend
+from halo_service.tracking.hands import HandTracker
+from halo_service.tracking.model import hand_model
+from halo_service.values import Finger, Frame
+from halo_service.virtual.camera import FPS
+from halo_service.virtual.naming import Wish, wish
+from halo_service.virtual.plays import play
+from halo_service.virtual.sensor import Sensor
+
+SOURCES = (
+    *(f"sim:pointing?seed={seed}" for seed in (201, 202, 203, 204)),
+    "sim:projector?seed=203", "sim:drumming?seed=202", "sim:drumming?seed=205",
+    "sim:chaos?seed=204",
+)  # fmt: skip
+OPENING_S, SECONDS = 3.5, 5.0
+NEAR_PX = 40.0
+"""A landmark farther off has found something else."""
+LANDMARK = 8
+Look = Callable[[Frame], Picture]
+Pixel = NDArray[np.float64]
+
+
+class Eye:
+    """One tracker, and how well it fares."""
+
+    def __init__(self, picture: Look, hands: int) -> None:
+        self._picture = picture
+        self.tracker = HandTracker(hand_model(None), hands)
+        self.cpu_s, self.wanted = 0.0, 0
+        self.off_px: list[float] = []
+
+    def see(self, frame: Frame, pads: list[Pixel]) -> None:
+        """Look at a frame whose true pads are known."""
+        began_s = time.process_time()
+        found = self.tracker.find(self._picture(frame), frame.time_us).hands
+        self.cpu_s += time.process_time() - began_s
+        self.wanted += len(pads)
+        for pad in pads:
+            off = [float(np.hypot(*(hand.landmarks_px[LANDMARK] - pad))) for hand in found]
+            if off and min(off) < NEAR_PX:
+                self.off_px.append(min(off))
+
+
+def main() -> int:
+    """Print two lines a take."""
+    for source in sys.argv[1:] or SOURCES:
+        asked = wish(source)
+        sensor = Sensor(asked.room)
+        shape = (sensor.camera.depth.height, sensor.camera.depth.width)
+        warp = ColourWarp(sensor.camera, np.full(shape, asked.room.camera_height_mm, np.float32))
+        hands = 2 if asked.scenario == "drumming" else 1
+        eyes = {name: Eye(picture, hands) for name, picture in pictures(warp).items()}
+        count = round(SECONDS * FPS)
+        with ExitStack() as stack:
+            for eye in eyes.values():
+                stack.callback(eye.tracker.close)
+            for frame, pads in film(asked, sensor, count):
+                for eye in eyes.values():
+                    eye.see(frame, pads)
+        for name, eye in eyes.items():
+            median, p95 = np.percentile(eye.off_px or [np.nan], (50, 95))
+            print(
+                f"{source:26} {name:14} found {len(eye.off_px) / eye.wanted:6.1%}  off "
+                f"{median:4.1f} px, p95 {p95:4.1f}  CPU {1000 * eye.cpu_s / count:5.1f} ms",
+                flush=True,
+            )
+    return 0
+
+
+def pictures(warp: ColourWarp) -> dict[str, Look]:
+    """The two ways to show a frame."""
+    return {
+        "blend": lambda frame: blend(frame.ir, frame.colour, warp, frame.depth),
+        "infrared alone": lambda frame: blend(frame.ir, None, warp, frame.depth),
+    }
+
+
+def film(asked: Wish, sensor: Sensor, count: int) -> Iterator[tuple[Frame, list[Pixel]]]:
+    """Yield frames and where the pads of their index fingers truly are, px."""
+    acting, lens = play(asked.scenario, asked.room), sensor.camera.depth
+    first = round(OPENING_S * FPS)
+    for index in range(first + count):
+        stage = acting.at(index / FPS)
+        if index < first:
+            continue
+        drawn = sensor.frame(round(index / FPS * 1e6), stage.hands, stage.things)
+        pads = [hand.pad(Finger.INDEX) for hand in stage.hands if hand.pointing(Finger.INDEX)]
+        seen = [lens.project(sensor.surface.to_camera(pad[None]))[0] for pad in pads]
+        inside = [px for px in seen if 0 <= px[0] < lens.width and 0 <= px[1] < lens.height]
+        yield unpacked(handed(drawn), sensor.camera), inside
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,219 @@
+"""`halo bench`: how soon packets leave, ours beside the paper's order on the same frames."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+
+from tqdm import tqdm
+
+import halo_protocol as wire
+from halo_calibration.base import choose_base
+from halo_calibration.correction import Reference, solve_correction
+from halo_calibration.touch import corrected
+from halo_service.app.bench_table import table
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes, model_for
+from halo_service.app.files import written
+from halo_service.app.publisher import Publisher
+from halo_service.app.sources import KNOWN
+from halo_service.app.virtual_profile import virtual_profile
+from halo_service.errors import UserError
+from halo_service.evaluation.latency.blocks import run
+from halo_service.evaluation.latency.drawn import Take, draw
+from halo_service.evaluation.latency.figures import Case, case_of, goals
+from halo_service.evaluation.latency.handed import handed
+from halo_service.evaluation.latency.listener import Listener
+from halo_service.evaluation.latency.regressor import Regressor, regressor_for
+from halo_service.evaluation.latency.sequential import Sequential
+from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
+from halo_service.files import from_home
+from halo_service.outputs.osc import OscOutput
+from halo_service.outputs.wire import Wire
+from halo_service.profile import Profile
+from halo_service.profile.store import load, profile_path, require_fit
+from halo_service.runtime.beside import TrackerBeside
+from halo_service.sensing import State, start
+from halo_service.sources import EndOfSource
+from halo_service.sources.recording import Recording
+from halo_service.tracking.hands import HandTracker
+from halo_service.values import Frame
+from halo_service.virtual.camera import FPS
+from halo_service.virtual.naming import Wish, wish
+
+CASES = {1: "sim:pointing?seed=1", 2: "sim:drumming?seed=1"}
+"""By the hands in them: what is played where nobody names a source."""
+ROUNDS = 2
+"""Ours first, then ours last."""
+LONGEST_S = 60.0
+"""50 MB a second are held in memory."""
+NODE, SESSION = "bench", "00000000"
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What `halo bench` is asked for."""
+
+    hands: int | None
+    """None: a take with one hand, and one with two."""
+    seconds: float
+    source: str | None
+    profile: str
+    json: str | None
+
+
+def bench(asked: Asked, settings: Settings) -> None:
+    """Measure and print; the JSON is written when all is done. Raises `UserError`."""
+    if not (math.isfinite(asked.seconds) and 1.0 <= asked.seconds <= LONGEST_S):
+        raise UserError(f"--seconds must be from 1 to {LONGEST_S:g}: frames are held in memory")
+    wanted = (asked.hands,) if asked.hands else (1, 2)
+    if asked.source is not None:
+        wanted = (asked.hands or settings.tracking.max_hands,)
+    cases: list[Case] = []
+    for hands in wanted:
+        source = asked.source or CASES[hands]
+        tracking = replace(settings.tracking, max_hands=hands)
+        case = _case(source, hands, asked, replace(settings, tracking=tracking))
+        cases.append(case)
+        print("\n".join(table(case)), flush=True)
+    if asked.json is not None:
+        with written(asked.json) as file:
+            file.write(json.dumps(_report(cases), indent=1) + "\n")
+
+
+class Service:
+    """The parts of the service, and of its rival, as `halo serve` would put them together."""
+
+    def __init__(
+        self, take: Take, profile: Profile, regressor: Regressor, settings: Settings
+    ) -> None:
+        self._take = take
+        self._profile = profile
+        self._regressor = regressor
+        self._settings = settings
+
+    def tracker(self) -> TrackerBeside:
+        """Start the hand tracker in its thread."""
+        make = partial(Eyes, self._take.camera, self._profile, self._settings.tracking)
+        return TrackerBeside(make)
+
+    def state(self) -> State:
+        """Return the sensing's state before its first frame."""
+        return start(self._profile, self._settings.sensing)
+
+    def publisher(self, watch: Stopwatch, port: int) -> tuple[Publisher, Callable[[], None]]:
+        """Send OSC to a port of this machine."""
+        carrier = TimedCarrier(OscOutput([("127.0.0.1", port)]), watch)
+        name, take = self._profile.surface.name, self._take
+        frames = Wire(NODE, SESSION, 0)
+        return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close
+
+    def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
+        """Make the paper's order, with a tracker of its own."""
+        profile, settings = self._profile, self._settings
+        finder = HandTracker(model_for(settings.tracking), settings.tracking.max_hands)
+        assert profile.touch is not None  # `_profile_for` saw to it
+        sequential = Sequential(
+            profile, profile.touch, settings.sensing, finder, self._regressor, watch
+        )
+        return sequential, finder.close
+
+
+def _case(source: str, hands: int, asked: Asked, settings: Settings) -> Case:
+    kind, _, rest = source.partition(":")
+    if kind == "sim":
+        wished = wish(source)
+        profile = _profile_for(asked.profile) or _measured(wished, settings)
+        with _bar(f"drawing {source}", round(asked.seconds * FPS)) as bar:
+            take = draw(source, wished, asked.seconds, bar.update)
+    elif kind == "recording" and rest:
+        known = _profile_for(asked.profile)
+        if known is None:
+            raise UserError(
+                "a recording is sensed with the profile of its place: name it with --profile"
+            )
+        profile, take = known, _read(source, rest, asked.seconds)
+    else:
+        raise UserError(
+            f"bench plays frames that were drawn or recorded before, and '{source}' is neither "
+            f"(known: {KNOWN}): use sim or recording:FILE; 'halo record' makes one of a camera"
+        )
+    require_fit(profile, take.camera)
+    regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
+    if regressor is None:
+        raise UserError(
+            f"the profile {profile.name} has no sweep that the paper's order could ask: "
+            "run 'halo calibrate sweep' with it"
+        )
+    with ExitStack() as stack:
+        listener = stack.enter_context(Listener())
+        bar = stack.enter_context(_bar(f"playing {source}", 2 * ROUNDS))
+        blocks = []
+        for block in run(take, Service(take, profile, regressor, settings), listener, ROUNDS):
+            blocks.append(block)
+            bar.update()
+    return case_of(take, hands, blocks, profile.surface)
+
+
+def _profile_for(name: str) -> Profile | None:
+    profile = load(profile_path(name)) if name else None
+    if profile is not None and profile.touch is None:
+        raise UserError(
+            f"the profile {profile.name} has no touch states, so there is nothing to time: "
+            "run 'halo calibrate touch' with it"
+        )
+    return profile
+
+
+def _measured(wished: Wish, settings: Settings) -> Profile:
+    """Calibrate on the virtual room, and correct by the base model, so that nothing is spared."""
+    profile = virtual_profile(wished.room, settings)
+    assert profile.touch is not None  # it measured them
+    held = profile.touch.touch
+    at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
+    base = choose_base("auto", profile.camera.serial)
+    correction = solve_correction(profile.surface, base, None, at)
+    return replace(profile, correction=correction, touch=corrected(profile.touch, correction))
+
+
+def _read(source: str, path: str, seconds: float) -> Take:
+    with closing(Recording(from_home(path), realtime=False, loop=False)) as recording:
+        captures = tuple(handed(frame) for frame in _first(recording, seconds))
+        return Take(source, recording.kind, recording.camera, captures, None)
+
+
+def _first(recording: Recording, seconds: float) -> Iterator[Frame]:
+    began_us: int | None = None
+    while True:
+        try:
+            capture = recording.read(1.0)
+        except EndOfSource:
+            return
+        if not isinstance(capture, Frame):
+            continue
+        began_us = capture.time_us if began_us is None else began_us
+        if capture.time_us - began_us >= 1e6 * seconds:
+            return
+        yield capture
+
+
+def _bar(what: str, total: int) -> tqdm[None]:
+    return tqdm(total=total, desc=what, unit="", leave=False, disable=None)
+
+
+def _report(cases: list[Case]) -> dict[str, object]:
+    machine = {"system": platform.platform(), "python": platform.python_version()}
+    return {
+        "halo_bench": 1,
+        "protocol": wire.VERSION,
+        "machine": machine,
+        "cases": [
+            {**asdict(case), "ratio": case.ratio, "goals": [asdict(g) for g in goals(case)]}
+            for case in cases
+        ],
+    }

@@ -1,0 +1,227 @@
+"""The same figures by material, family of halo curves, user and task: where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
+
+import numpy as np
+
+from halo_service.evaluation import pick
+from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.keys import Keys, Phrase
+from halo_service.evaluation.scores.levels import Trial
+from halo_service.evaluation.scores.spatial import Spatial, from_truth, spatial
+from halo_service.evaluation.scores.take import Scores
+from halo_service.evaluation.scores.threshold import told_by_lift
+from halo_service.evaluation.table import Table
+
+NONE = "-"
+"""What stands where nothing was measured."""
+LEVELS = (("hover", False), ("hover", True), ("pressure", False), ("pressure", True))
+LEVEL_HEAD = ("hover, mm", "at doubled noise", "pressure, %", "at doubled noise")
+TASK_NAMES = dict(zip(pick.TYPING, ("T1 accurate", "T2 balanced", "T3 fast"), strict=True))
+
+Key = Callable[[Result], str]
+
+
+def breakdown(results: Sequence[Result]) -> tuple[Table, ...]:
+    """Return every table that the results have rows for."""
+    tables = (
+        touches_by_material(results),
+        levels_by_height_and_force(results),
+        levels_by_family(results),
+        levels_by_user(results),
+        typing_by_task(results),
+        told_by_height(results),
+        hands_by_task(results),
+        not_calibrated(results),
+    )
+    return tuple(table for table in tables if table.rows)
+
+
+def touches_by_material(results: Sequence[Result]) -> Table:
+    """Target pointing on each material."""
+    rows = []
+    for material, method, mine in _grouped(results, lambda result: result.subject.material):
+        told = pick.touches(pick.pointing(mine))
+        if told.true:
+            rows.append(
+                (
+                    material or NONE,
+                    method,
+                    str(told.true),
+                    *(f"{100 * share:.2f}" for share in (told.precision, told.recall, told.f1)),
+                    *(str(len(each)) for each in (told.missed, told.doubled, told.outside)),
+                    str(len(told.ghosts)),
+                    *_off(spatial(from_truth(told.hits))),
+                )
+            )
+    return Table(
+        "Touches by material",
+        _head(
+            "material|method|touches|precision, %|recall, %|F1, %|missed|doubled|outside|ghosts|"
+            "off by, mm|bias x y, mm|95 % ellipse, mm"
+        ),
+        tuple(rows),
+        "Ghosts and what lay outside count against precision; the paper counted doubled ones only.",
+    )
+
+
+def levels_by_height_and_force(results: Sequence[Result]) -> Table:
+    """Error and bias at each held height and force."""
+    rows = []
+    for kind, unit in (("hover", "mm"), ("pressure", "g")):
+        held = {
+            (method, noisy): pick.trials(pick.of(results, method), kind, noisy)
+            for method in pick.methods(results)
+            for noisy in (False, True)
+        }
+        for level in sorted({trial.level for trials in held.values() for trial in trials}):
+            for method in pick.methods(results):
+                cells = (_at_level(held[method, noisy], level) for noisy in (False, True))
+                rows.append((f"{kind}, {level:g} {unit}", method, *chain.from_iterable(cells)))
+    return Table(
+        "Hover and pressure by level",
+        _head("level|method|error|bias|error at doubled noise|bias at doubled noise"),
+        tuple(rows),
+        "Hover in mm, pressure in % of 385 g. Bias: told minus true.",
+    )
+
+
+def levels_by_family(results: Sequence[Result]) -> Table:
+    """Hover and pressure for each family of halo curves."""
+    rows = _levels(results, lambda result: result.subject.family)
+    return Table(
+        "Hover and pressure error by family of curves", ("family", "method", *LEVEL_HEAD), rows
+    )
+
+
+def levels_by_user(results: Sequence[Result]) -> Table:
+    """Hover and pressure for each user."""
+    rows = _levels(results, lambda result: result.subject.name)
+    return Table("Hover and pressure error by user", ("user", "method", *LEVEL_HEAD), rows)
+
+
+def typing_by_task(results: Sequence[Result]) -> Table:
+    """The three typing tasks."""
+    rows = []
+    for task, method, mine in _grouped(results, lambda result: result.task):
+        phrases = [phrase for r in mine if r.scores for phrase in r.scores.phrases]
+        if phrases:
+            keys = sum((r.scores.keys for r in mine if r.scores), Keys())
+            counts = keys.struck, keys.wrong, keys.missed, keys.doubled
+            rows.append((TASK_NAMES.get(task, task), method, *_speeds(phrases), *map(str, counts)))
+    return Table(
+        "Typing",
+        _head(
+            "task|method|WPM|AWPM|perfect AWPM|uncorrected, %|perfect, %|corrected, %|keys inside|"
+            "wrong|missed|doubled"
+        ),
+        tuple(rows),
+        "Perfect: what the same fingers would have typed had each touch been told where it was. "
+        "Keys inside: struck at least 2 mm inside; the counts after it are of those. The virtual "
+        "typist never deletes.",
+    )
+
+
+def told_by_height(results: Sequence[Result]) -> Table:
+    """Re-taps told, by how far the finger rose between."""
+    retaps = [r for r in results if r.scores and r.scores.retaps]
+    lifts = sorted({each.lift_mm for r in retaps if r.scores for each in r.scores.retaps})
+    rows = []
+    for _, method, mine in _grouped(retaps, lambda _: ""):
+        shares = told_by_lift([each for r in mine if r.scores for each in r.scores.retaps])
+        rows.append((method, *(f"{100 * shares[lift]:.1f}" for lift in lifts)))
+    head = ("method", *(f"{lift:g} mm" for lift in lifts))
+    return Table("Re-taps told, % by lift", head, tuple(rows))
+
+
+def hands_by_task(results: Sequence[Result]) -> Table:
+    """What more than a pointing finger does, and how pointers behave in every task."""
+    rows = []
+    for task, method, mine in _grouped(results, lambda result: result.task):
+        scores = [r.scores for r in mine if r.scores]
+        told = pick.touches(scores)
+        conduct = [each.conduct for each in scores]
+        if conduct:
+            strange = sum(c.strange for c in conduct) / max(sum(c.pointers for c in conduct), 1)
+            unseen = sum(c.unseen for c in conduct) / max(sum(c.fingers for c in conduct), 1)
+            counts = (
+                told.true, len(told.missed), len(told.doubled), len(told.outside),
+                len(told.ghosts), sum(c.misnamed for c in conduct), sum(c.stuck for c in conduct),
+                sum(c.id_changes for c in conduct),
+            )  # fmt: skip
+            shares = f"{100 * strange:.1f}", f"{100 * unseen:.1f}"
+            rows.append((task, method, *map(str, counts), *shares, _jumps(scores)))
+    return Table(
+        "Conduct by task",
+        _head(
+            "task|method|touches|missed|doubled|outside|ghosts|misnamed|stuck|id changes|"
+            "strange, %|unseen, %|hover jumps, mm"
+        ),
+        tuple(rows),
+        "Strange: pointers where no finger is. Unseen: low fingers without a pointer. Hover jumps: "
+        "the change from frame to frame beyond the finger's own, 99th percentile and largest.",
+    )
+
+
+def not_calibrated(results: Sequence[Result]) -> Table:
+    """Who was refused, and why."""
+    why = {(r.subject.name, r.method): r.refused for r in results if r.refused}
+    rows = tuple((name, method, words) for (name, method), words in why.items())
+    return Table("Could not be calibrated", ("who", "method", "why"), rows)
+
+
+def _head(words: str) -> tuple[str, ...]:
+    return tuple(words.split("|"))
+
+
+def _grouped(results: Sequence[Result], key: Key) -> Iterator[tuple[str, str, list[Result]]]:
+    """Yield the results that share a key and a method, methods side by side."""
+    for name in dict.fromkeys(key(result) for result in results):
+        for method in pick.methods(results):
+            yield name, method, [r for r in results if key(r) == name and r.method == method]
+
+
+def _levels(results: Sequence[Result], key: Key) -> tuple[tuple[str, ...], ...]:
+    rows = []
+    for name, method, mine in _grouped(results, key):
+        errors = [pick.mean_error(pick.trials(mine, *level)) for level in LEVELS]
+        cells = [NONE if np.isnan(mean) else f"{mean:.2f} ± {sd:.2f}" for mean, sd in errors]
+        if set(cells) != {NONE}:
+            rows.append((name or NONE, method, *cells))
+    return tuple(rows)
+
+
+def _at_level(trials: Sequence[Trial], level: float) -> tuple[str, str]:
+    mine = [each for each in trials if each.level == level and not np.isnan(each.error)]
+    mean, sd = pick.mean_error(mine)
+    if not mine:
+        return NONE, NONE
+    return f"{mean:.2f} ± {sd:.2f}", f"{np.mean([each.bias for each in mine]):+.2f}"
+
+
+def _off(off: Spatial | None) -> tuple[str, str, str]:
+    if off is None:
+        return NONE, NONE, NONE
+    return (
+        f"{off.mean_mm:.1f} ± {off.sd_mm:.1f}",
+        f"{off.bias_mm[0]:+.1f} {off.bias_mm[1]:+.1f}",
+        f"{2 * off.ellipse.major_mm:.0f} x {2 * off.ellipse.minor_mm:.0f}",
+    )
+
+
+def _speeds(phrases: Sequence[Phrase]) -> Iterator[str]:
+    typed, perfect = [p.typed for p in phrases], [p.perfect for p in phrases]
+    yield f"{np.mean([each.wpm for each in typed]):.1f}"
+    yield f"{np.mean([each.awpm for each in typed]):.1f}"
+    yield f"{np.mean([each.awpm for each in perfect]):.1f}"
+    yield f"{100 * np.mean([each.uncorrected_rate for each in typed]):.1f}"
+    yield f"{100 * np.mean([each.uncorrected_rate for each in perfect]):.1f}"
+    yield f"{100 * np.mean([each.corrected_rate for each in typed]):.1f}"
+
+
+def _jumps(scores: Sequence[Scores]) -> str:
+    jumps = [jump.jump_mm for each in scores for jump in each.jumps]
+    return f"{np.percentile(jumps, 99.0):.1f}, {max(jumps):.1f}" if jumps else NONE

@@ -1,0 +1,227 @@
+"""The figures that have a goal, each of one method's results, and whether it meets the goal.
+
+Rule: the goals stand here as numbers, once. None: the results hold nothing of that figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from halo_service.evaluation import pick
+from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.keys import Keys
+from halo_service.evaluation.scores.motion import Speed, rank_correlation, relative_error
+from halo_service.evaluation.scores.spatial import as_the_paper, from_target, from_truth, spatial
+from halo_service.evaluation.scores.threshold import threshold_mm, told_by_lift
+
+F1, LABELLED_F1 = 0.999, 0.98
+DOUBLED_OF, STUDIED = 2, 3840
+"""At most so many doubled touches of so many; none missed, none outside, no ghosts."""
+SPATIAL_MM = 3.0
+LIFT_MM = 2.0
+HOVER_MM = 1.0
+PRESSURE_SHARE = 8.0
+"""Percent of 385 g."""
+UNSEEN = 0.01
+"""Chosen: who says nothing in more of the frames has not measured the level."""
+WRONG_KEYS = 0.01
+FRAME_MS = 1000.0 / 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What one method reached."""
+
+    told: str
+    meets: bool | None = None
+    """The goal; None where none is set."""
+
+
+Measure = Callable[[Sequence[Result]], Measured | None]
+
+
+def accuracy(results: Sequence[Result]) -> Measured | None:
+    """Precision, recall and F1 of target pointing."""
+    told = pick.touches(pick.pointing(results))
+    if not told.true:
+        return None
+    shares = told.precision, told.recall, told.f1
+    return Measured(" / ".join(f"{100 * s:.2f}" for s in shares) + " %", told.f1 >= F1)
+
+
+def counts(results: Sequence[Result]) -> Measured | None:
+    """What went wrong in target pointing; ghosts count with what lay outside."""
+    told = pick.touches(pick.pointing(results))
+    if not told.true:
+        return None
+    missed, doubled, false = len(told.missed), len(told.doubled), told.false - len(told.doubled)
+    few = doubled <= DOUBLED_OF * told.true // STUDIED
+    words = f"{missed} / {doubled} / {false} of {told.true}"
+    return Measured(words, missed == 0 and few and false == 0)
+
+
+def real_taps(results: Sequence[Result]) -> Measured | None:
+    """F1 of taps timed as real people tapped; beside it those too short for any frame."""
+    told = pick.touches(pick.labelled(results))
+    if not told.true:
+        return None
+    words = f"{100 * told.f1:.2f} % of {told.true}"
+    if told.blind:
+        words += f" ({told.blind_hits} of {len(told.blind)} that hold none)"
+    return Measured(words, told.f1 >= LABELLED_F1)
+
+
+def spatial_error(results: Sequence[Result]) -> Measured | None:
+    """Distance from the true place in the frame that told a touch."""
+    off = spatial(from_truth(pick.touches(pick.pointing(results)).hits))
+    if off is None:
+        return None
+    return Measured(f"{off.mean_mm:.1f} ± {off.sd_mm:.1f} mm", off.mean_mm <= SPATIAL_MM)
+
+
+def spatial_error_as_the_paper(results: Sequence[Result]) -> Measured | None:
+    """Distance from the target, reduced as the paper reduced it."""
+    errors = from_target(pick.touches(pick.pointing(results)).hits)
+    off = spatial(as_the_paper(errors))
+    if off is None:
+        return None
+    removed = float(np.hypot(*errors.mean(axis=0)))
+    return Measured(f"{off.mean_mm:.1f} mm, after {removed:.1f} mm")
+
+
+def least_lift(results: Sequence[Result]) -> Measured | None:
+    """The touch point threshold."""
+    retaps = [each for part in pick.tasks(results, "threshold") for each in part.retaps]
+    if not retaps:
+        return None
+    shares = told_by_lift(retaps)
+    least = threshold_mm(shares)
+    if least is None:
+        return Measured(f"above {max(shares):g} mm", False)
+    return Measured(f"{least:g} mm", least <= LIFT_MM)
+
+
+def level(kind: str, noisy: bool, unit: str, most: float) -> Measure:
+    """Return the measure of a held level."""
+
+    def measure(results: Sequence[Result]) -> Measured | None:
+        held = pick.trials(results, kind, noisy)
+        mean, sd = pick.mean_error(held)
+        if np.isnan(mean):
+            return None
+        unseen = pick.unseen(held)
+        words = f"{mean:.2f} ± {sd:.2f} {unit}"
+        if unseen > UNSEEN:
+            words += f" ({100 * unseen:.0f} % unseen)"
+        return Measured(words, mean <= most and unseen <= UNSEEN)
+
+    return measure
+
+
+def worst_family(kind: str, unit: str, most: float) -> Measure:
+    """Return the measure of a level for the family of halo curves that it is worst for."""
+
+    def measure(results: Sequence[Result]) -> Measured | None:
+        families = sorted({r.subject.family for r in results if r.scores and r.subject.family})
+        means = {}
+        for family in families:
+            mine = [r for r in results if r.subject.family == family]
+            for noisy in (False, True):
+                mean, _ = pick.mean_error(pick.trials(mine, kind, noisy))
+                if not np.isnan(mean):
+                    means[family, noisy] = mean
+        if not means:
+            return None
+        (family, noisy), mean = max(means.items(), key=lambda item: item[1])
+        return Measured(
+            f"{mean:.2f} {unit} ({family}{', doubled noise' if noisy else ''})", mean <= most
+        )
+
+    return measure
+
+
+def wrong_keys(results: Sequence[Result]) -> Measured | None:
+    """Keystrokes told as another key; who misses as many has not told the others rightly."""
+    keys = sum((part.keys for part in pick.tasks(results, *pick.TYPING, pick.RECORDING)), Keys())
+    if not keys.struck:
+        return None
+    wrong, missed = keys.wrong / keys.struck, keys.missed / keys.struck
+    words = f"{100 * wrong:.1f} % of {keys.struck}"
+    if keys.missed:
+        words += f" ({keys.missed} missed)"
+    return Measured(words, max(wrong, missed) <= WRONG_KEYS)
+
+
+def awpm(results: Sequence[Result]) -> Measured | None:
+    """Speed times accuracy of the balanced task (T2), and what the fingers would have given."""
+    phrases = [p for part in pick.tasks(results, "typing", pick.RECORDING) for p in part.phrases]
+    if not phrases:
+        return None
+    ours = float(np.mean([phrase.typed.awpm for phrase in phrases]))
+    perfect = float(np.mean([phrase.perfect.awpm for phrase in phrases]))
+    return Measured(f"{ours:.1f} of {perfect:.1f}")
+
+
+def contact_to_down(results: Sequence[Result]) -> Measured | None:
+    """From contact to the frame that told it, on the frames' clock."""
+    timing = [each for part in pick.pointing(results) for each in part.timing]
+    if not timing:
+        return None
+    late = float(np.median([each.down_ms for each in timing]))
+    frames = float(np.median([each.frames_late for each in timing]))
+    p95 = float(np.percentile([each.down_ms for each in timing], 95.0))
+    return Measured(f"{late:.0f} ms (p95 {p95:.0f}), {frames:+g} frames", late <= FRAME_MS)
+
+
+def strike_speed(results: Sequence[Result]) -> Measured | None:
+    """Approach speed before contact."""
+    return _speeds([each for part in pick.pointing(results) for each in part.strikes])
+
+
+def velocity(results: Sequence[Result]) -> Measured | None:
+    """Velocity in the plane, of moving fingers."""
+    return _speeds([each for part in pick.pointing(results) for each in part.velocities])
+
+
+def _speeds(speeds: Sequence[Speed]) -> Measured | None:
+    if not speeds:
+        return None
+    rank = rank_correlation(speeds)
+    ranked = "-" if np.isnan(rank) else f"{rank:.2f}"
+    return Measured(f"{100.0 * relative_error(speeds):.0f} % / {ranked}")
+
+
+def palms(results: Sequence[Result]) -> Measured | None:
+    """Downs where no finger touched, while palms and fists lay about."""
+    parts = pick.tasks(results, *pick.HANDS)
+    if not parts:
+        return None
+    told = pick.touches(parts)
+    ghosts = len(told.ghosts) + len(told.outside)
+    return Measured(f"{ghosts} beside {told.true} touches", ghosts == 0)
+
+
+def all_fingers(results: Sequence[Result]) -> Measured | None:
+    """Both hands, every finger in its turn."""
+    told = pick.touches(pick.tasks(results, "ten-fingers"))
+    return Measured(f"{100 * told.f1:.1f} % of {told.true}") if told.true else None
+
+
+def stuck_and_renamed(results: Sequence[Result]) -> Measured | None:
+    """Touches that stick, and fingers that lose their id."""
+    parts = [r.scores for r in results if r.scores]
+    if not parts:
+        return None
+    stuck = sum(part.conduct.stuck for part in parts)
+    changes = sum(part.conduct.id_changes for part in parts)
+    return Measured(f"{stuck} / {changes}", stuck == 0 and changes == 0)
+
+
+def not_calibrated(results: Sequence[Result]) -> Measured | None:
+    """People at a table that the calibration refused."""
+    people = {result.subject.name for result in results}
+    refused = pick.refused(results)
+    return Measured(f"{len(refused)} of {len(people)}", not refused) if people else None

@@ -1,0 +1,112 @@
+"""`halo evaluate`: what it is asked for, and what it answers to what it does not know."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from halo_service.app.cli import main
+from halo_service.app.config import Settings
+from halo_service.app.virtual_profile import virtual_profile
+from halo_service.profile.store import save
+from halo_service.virtual.naming import wish
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--method", "ours,theirs"], "no method 'theirs'; known: ours"),
+        (["--materials", "stone"], "no material 'stone'; known: paper, wood"),
+        (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover, pointing-20"),
+        (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
+        (["--kept-only"], "no kept takes of these users and materials"),
+        (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),
+        (["take.mkv", "--truth", "t.jsonl"], "name the profile that goes with the recording"),
+        (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
+    ],
+)
+def test_what_nobody_knows_is_answered_with_one_sentence(
+    arguments: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if "take.mkv" not in arguments:
+        arguments = [*arguments, "--keep", "takes"]
+    assert main(["evaluate", *arguments]) == 2
+    told = capsys.readouterr()
+    assert says in told.err
+    assert told.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("option", "text"), [("--users", "301,-2"), ("--users", "all"), ("--jobs", "0")]
+)
+def test_numbers_that_are_none_are_refused(
+    option: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["evaluate", option, text])
+    assert f"argument {option}: {text!r} must be" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a recording of five touches, its truth, and a profile of its room."""
+    folder = tmp_path_factory.mktemp("recorded")
+    files = ("--out", str(folder / "take.mkv"), "--truth", str(folder / "truth.jsonl"))
+    assert main(["simulate", "pointing?seed=205", *files, "--seconds", "9"]) == 0
+    save(virtual_profile(wish("sim:pointing?seed=205").room, Settings()), folder / "profile")
+    return folder
+
+
+def judge(folder: Path, *options: str) -> int:
+    profile = ("--profile", str(folder / "profile"))
+    return main(["evaluate", str(folder / "take.mkv"), *profile, "--method", "ours", *options])
+
+
+@pytest.mark.slow
+def test_a_recording_is_judged_against_its_truth(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = [json.loads(line) for line in (recorded / "truth.jsonl").read_text().splitlines()]
+    contacts = sum("contact" in line for line in lines)
+    options = ("--truth", str(recorded / "truth.jsonl"), "--report", str(tmp_path / "report"))
+    assert judge(recorded, *options, "--csv", str(tmp_path / "figures.csv")) == 0
+    with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
+        figures = {row["figure"]: float(row["value"]) for row in csv.DictReader(file)}
+    assert figures["touches"] == contacts >= 3
+    assert figures["recall"] >= 0.5  # that there is something to judge; how good is the study's
+    assert "The paper's figures and ours" in capsys.readouterr().out
+    assert (tmp_path / "report" / "index.html").read_text().startswith("<!doctype html>")
+
+
+@pytest.mark.slow
+def test_where_nobody_knows_the_truth_the_script_says_what_was_asked_for(
+    recorded: Path, tmp_path: Path
+) -> None:
+    script = [{"step": "target", "from_s": 3.5, "to_s": 9.0, "target_mm": [150.0, 100.0]}]
+    (tmp_path / "script.json").write_text(json.dumps(script))
+    files = ("--script", str(tmp_path / "script.json"), "--csv", str(tmp_path / "figures.csv"))
+    assert judge(recorded, *files) == 0
+    with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
+        figures = {row["figure"]: row["value"] for row in csv.DictReader(file)}
+    assert figures["touches"] == "1"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ['{"time_us": 1}', '{"fingers": 3, "time_us": 1}', "[1]", "no"])
+def test_a_truth_that_is_none_is_refused_and_nothing_is_written(
+    text: str, recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "truth.jsonl").write_text(text)
+    files = ("--truth", str(tmp_path / "truth.jsonl"), "--csv", str(tmp_path / "figures.csv"))
+    assert judge(recorded, *files) == 2
+    assert "truth" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["truth.jsonl"]

@@ -1,0 +1,94 @@
+"""The small study, as `.ci/run` asks for it: counts and ratios, never times."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from halo_service.evaluation.rivals import METHODS
+
+pytestmark = pytest.mark.study
+
+HALO = Path(sys.executable).with_name("halo")
+RIVALS = tuple(name for name in METHODS if name != "ours")
+LEVELS = ("hover_error_mm", "pressure_error_percent")
+
+
+class Study:
+    """What `halo evaluate --quick` wrote."""
+
+    def __init__(self, file: Path) -> None:
+        with file.open(encoding="utf-8", newline="") as text:
+            self._rows = list(csv.DictReader(text))
+
+    def of(self, method: str, figure: str, task: str) -> list[float]:
+        """Return a figure of each person who did a task."""
+        return [float(row["value"]) for row in self._mine(method, figure, task)]
+
+    def count(self, method: str, figure: str) -> int:
+        """Return a count over everybody's pointing."""
+        return int(sum(self.of(method, figure, "pointing-20")))
+
+    def f1(self, method: str) -> float:
+        """Return F1 over everybody's pointing."""
+        hits = self.count(method, "touches") - self.count(method, "missed")
+        wrong = sum(self.count(method, name) for name in ("doubled", "outside", "ghosts", "missed"))
+        return 2.0 * hits / (2.0 * hits + wrong)
+
+    def mean(self, method: str, figure: str, task: str) -> float:
+        """Return a figure's mean over the persons; infinite where the method has none."""
+        values = self.of(method, figure, task)
+        return sum(values) / len(values) if values else float("inf")
+
+    def _mine(self, method: str, figure: str, task: str) -> Iterator[dict[str, str]]:
+        for row in self._rows:
+            if (row["method"], row["figure"], row["task"]) == (method, figure, task):
+                yield row
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    folder = tmp_path_factory.mktemp("study")
+    file = folder / "figures.csv"
+    done = subprocess.run(
+        [HALO, "evaluate", "--quick", "--keep", folder / "takes", "--csv", file],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    print(done.stdout)
+    return Study(file)
+
+
+def test_everybody_could_be_calibrated_for_every_method(study: Study) -> None:
+    assert {name: study.of(name, "calibrated", "pointing-20") for name in METHODS} == {
+        name: [1.0, 1.0, 1.0] for name in METHODS
+    }
+
+
+def test_no_touch_of_sixty_is_missed_doubled_outside_or_a_ghost(study: Study) -> None:
+    figures = ("touches", "missed", "doubled", "outside", "ghosts", "stuck")
+    assert [study.count("ours", name) for name in figures] == [60, 0, 0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("rival", RIVALS)
+def test_ours_finds_touches_at_least_as_well(study: Study, rival: str) -> None:
+    assert study.f1("ours") >= study.f1(rival)
+
+
+@pytest.mark.parametrize("rival", RIVALS)
+@pytest.mark.parametrize("figure", LEVELS)
+def test_ours_tells_levels_at_least_as_well(study: Study, rival: str, figure: str) -> None:
+    task = figure.partition("_")[0]
+    assert study.mean("ours", figure, task) <= study.mean(rival, figure, task)
+
+
+@pytest.mark.parametrize("rival", RIVALS)
+def test_ours_tells_places_at_least_as_well(study: Study, rival: str) -> None:
+    ours, theirs = (study.mean(name, "spatial_mean_mm", "pointing-20") for name in ("ours", rival))
+    assert ours <= theirs

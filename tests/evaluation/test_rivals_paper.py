@@ -1,0 +1,96 @@
+"""HaloTouch to the letter: what only this rival does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from halo_service.evaluation.rivals.paper import PAPER
+from halo_service.evaluation.rivals.paper_detector import Detector, detect
+from halo_service.profile import Profile
+from halo_service.sensing import SensingSettings
+from halo_service.values import Frame, Touch, Tracked
+
+FRAME_US = 33_333
+ON_THE_TIP = (0.0, -6.0)
+Draw = Callable[..., Frame]
+See = Callable[..., Tracked]
+
+
+def run(levels: list[float], speed_mm_s: float = 0.0) -> list[bool]:
+    """Whether each frame of a level's course touches."""
+    detector: Detector | None = None
+    touching = []
+    for n, level in enumerate(levels):
+        detector = detect(detector, level, speed_mm_s, n * FRAME_US)
+        touching.append(detector.touching)
+    return touching
+
+
+COURSES = {
+    "a touch is told a frame late and ends when two frames agree": (
+        [0, 0, 1, 1, 1, 0, 0, 0],
+        [False, False, False, True, True, True, False, False],
+    ),
+    "one frame is no touch": ([0, 0, 1, 0, 0, 0], [False] * 6),
+    "a dip of one frame ends none": (
+        [0, 1, 1, 1, 0, 1, 1],
+        [False, False, True, True, True, True, True],
+    ),
+    "a slow rise is followed by the baseline": ([0.02 * n for n in range(50)], [False] * 50),
+}
+
+
+@pytest.mark.parametrize("name", COURSES)
+def test_detector(name: str) -> None:
+    levels, touching = COURSES[name]
+    assert run([float(level) for level in levels]) == touching
+
+
+def test_a_finger_that_moves_fast_cannot_come_down() -> None:
+    assert run([0.0, 0.0, 1.0, 1.0, 1.0], speed_mm_s=1000.0) == [False] * 5
+
+
+def test_a_frame_waits_for_its_own_hands(profile: Profile, draw: Draw, see: See) -> None:
+    state = PAPER.start(profile, SensingSettings())
+    frames = [draw((300.0 + 5.0 * n, 288.0), 0.0, 0.0, n * FRAME_US) for n in range(4)]
+    for n, frame in enumerate(frames):
+        seen = see((300.0 + 5.0 * (n - 2), 288.0), (n - 2) * FRAME_US) if n >= 2 else None
+        told, state = PAPER.step(state, frame, seen)
+        assert len(told.pointers) == (n >= 2)
+    (pointer,) = told.pointers
+    assert pointer.diagnostics.tip_px[0] == 305.0  # the second frame's, two frames ago
+
+
+def test_a_hand_that_is_lost_lets_go(profile: Profile, draw: Draw, see: See) -> None:
+    """The drawn states: 1500 mm px is subtle, 2000 touch; 2880 is a dent of 12 mm."""
+    state = PAPER.start(profile, SensingSettings())
+    told = []
+    for n in range(20):
+        signal = 0.0 if n < 4 else 2880.0
+        seen = see(time_us=n * FRAME_US, off=ON_THE_TIP)
+        lost = Tracked(n * FRAME_US, ())
+        frame = draw(signal=signal, time_us=n * FRAME_US)
+        result, state = PAPER.step(state, frame, seen if n < 10 else lost)
+        told.append(result)
+    events = [(n, event.kind) for n, frame in enumerate(told) for event in frame.events]
+    assert events == [(5, "down"), (17, "up")]
+    assert [frame.pointers[0].state for frame in told[5:17]] == [Touch.TOUCH] * 12
+
+
+def test_it_learns_the_states_of_its_own_signal(profile: Profile, draw: Draw, see: See) -> None:
+    dents = {"hover": 9, "subtle": 10, "touch": 12, "pressure": 16}
+    script = [{"step": state, "from_s": n, "to_s": n + 0.9} for n, state in enumerate(dents)]
+    seen = []
+    for n in range(30 * len(dents)):
+        signal = 240.0 * list(dents.values())[n // 30]
+        time_us = n * FRAME_US
+        frame = draw(signal=signal, time_us=time_us)
+        seen.append((frame, see(time_us=time_us, off=ON_THE_TIP)))
+    assert PAPER.learn is not None
+    learnt = PAPER.learn(profile, SensingSettings(), seen, script)
+    assert learnt.touch is not None
+    states = [getattr(learnt.touch, state).signal for state in dents]
+    assert np.allclose(states, [240.0 * dent for dent in dents.values()])

@@ -1,0 +1,104 @@
+"""The pool: what it returns, and that it ends."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from halo_service.evaluation.capture import Studio
+from halo_service.evaluation.rivals import METHODS
+from halo_service.evaluation.rows import write
+from halo_service.evaluation.run import Order, run, work_s
+from halo_service.sensing import SensingSettings
+from tests.evaluation.empty import PERSON, SHORT, studio_in
+
+HALO = Path(sys.executable).with_name("halo")
+SOON_S = 300.0
+"""A machine at the end of its tether takes its time; nothing is judged by it."""
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory: pytest.TempPathFactory) -> Studio:
+    return studio_in(tmp_path_factory.mktemp("takes"))
+
+
+def test_who_cannot_be_calibrated_is_a_result_with_the_sentence(studio: Studio) -> None:
+    order = Order({PERSON: (SHORT,)}, tuple(METHODS), studio, SensingSettings(), 1)
+    done: list[float] = []
+    results = run(order, done.append)
+    assert [each.method for each in results] == list(METHODS)
+    for each in results:
+        assert each.scores is None
+        assert "frames came during 'hover'" in each.refused
+    assert sum(done) == pytest.approx(work_s(order))
+    assert not studio.has(PERSON, SHORT)  # nothing is drawn for nobody
+    out = io.StringIO()
+    write(results, "1.2.3", out)
+    head, *rows = out.getvalue().splitlines()
+    assert head.startswith("seed,subject,material,family,task,method,figure,value,note")
+    assert len(rows) == len(METHODS)
+    assert all(row.startswith("205,205-paper,paper,") and "'hover'" in row for row in rows)
+
+
+@pytest.fixture
+def quick(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run that has just begun to draw; it has ended when the test has, whatever that found."""
+    process = subprocess.Popen(
+        [HALO, "evaluate", "--quick", "--jobs", "1", "--method", "ours", "--keep", tmp_path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    yield process
+    process.kill()
+    process.communicate()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes where Linux tells them")
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 0), (signal.SIGKILL, -9)]
+)
+def test_whatever_ends_a_run_its_processes_end_and_nothing_half_written_stays(
+    quick: subprocess.Popen[str], tmp_path: Path, number: signal.Signals, code: int
+) -> None:
+    workers = _until(lambda: _working(quick.pid))
+    quick.send_signal(number)
+    out, err = quick.communicate(timeout=SOON_S)
+    assert quick.returncode == code
+    assert _until(lambda: not any(_alive(pid) for pid in workers))
+    assert out == ""
+    assert "Traceback" not in err
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == [".lock"]
+
+
+def _until(says):
+    end = time.monotonic() + SOON_S
+    while time.monotonic() < end:
+        if answer := says():
+            return answer
+        time.sleep(0.05)
+    raise AssertionError("it did not happen")
+
+
+def _working(parent: int) -> list[int]:
+    """Return the workers once one of them has its watch over the parent: a second thread."""
+    children = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+    busy = [int(pid) for pid in children if len(list(Path(f"/proc/{pid}/task").iterdir())) > 1]
+    return [int(pid) for pid in children] if busy else []
+
+
+def _alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"

@@ -1,0 +1,226 @@
+"""Tables and page: who falls short is told so, and so is what nobody measured."""
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from halo_service.evaluation.breakdown import breakdown
+from halo_service.evaluation.goals import GOALS, NOT_MEASURED, PASS, SHORT, goal_table
+from halo_service.evaluation.report.page import page
+from halo_service.evaluation.result import Result, Subject
+from halo_service.evaluation.scores.conduct import Conduct
+from halo_service.evaluation.scores.keys import Keys
+from halo_service.evaluation.scores.levels import Trial
+from halo_service.evaluation.scores.take import score
+from halo_service.evaluation.scores.threshold import Retap
+from halo_service.evaluation.table import Table, as_markdown, as_text
+from tests.evaluation.scored import SURFACE, contact, down, finger, told_frames, truth_frames, up
+
+SUBJECT = Subject("201-wood", 201, "wood", "straight")
+FACTS = {"command": "halo evaluate", "users": "201 & 202"}
+
+
+def taps(count=6, missed=(), doubled=(), off_mm=1.0):
+    """Scores of so many touches of targets, told 1 mm off in their first frame."""
+    lines, events, fingers = [], {}, {}
+    for k in range(count):
+        begin = 12 * k + 5
+        aim = [80.0 + 20.0 * (k % 3), 60.0 + 40.0 * (k // 3)]
+        lines.append(contact(begin - 0.5, begin + 5, *aim, target_mm=aim))
+        fingers |= {frame: [finger(*aim)] for frame in range(begin, begin + 6)}
+        if k not in missed:
+            events[begin] = [down(x_mm=aim[0] + off_mm, y_mm=aim[1], strike_mm_s=180.0)]
+            events[begin + 6] = [up()]
+        if k in doubled:
+            events[begin + 3] = [down(x_mm=aim[0], y_mm=aim[1])]
+    frames = 12 * count + 10
+    return score(told_frames(frames, events), [*truth_frames(frames, fingers), *lines], (), SURFACE)
+
+
+def empty(**more):
+    """Scores of a take in which nobody touched."""
+    return replace(score(told_frames(5), truth_frames(5), (), SURFACE), **more)
+
+
+def result(scores, task="pointing", method="ours", subject=SUBJECT, refused=""):
+    return Result(subject, task, method, scores, refused)
+
+
+def held(error, kind="hover", unseen=0.0):
+    return empty(trials=(Trial(kind, 10.0, error, -error, 10.0 - error, unseen),))
+
+
+def retapped(told):
+    return empty(retaps=tuple(Retap(lift, k < n) for lift, n in told.items() for k in range(100)))
+
+
+def line_of(figure, results):
+    table = goal_table(results)
+    return next(row for row in table.rows if row[0].startswith(figure))[3]
+
+
+CASES = {
+    "every touch told": ("touch:", [result(taps())], PASS),
+    "one missed": ("touch:", [result(taps(missed=[2]))], SHORT),
+    "none missed": ("missed", [result(taps())], PASS),
+    "one doubled of a few": ("missed", [result(taps(doubled=[1]))], SHORT),
+    "no touch at all": ("touch:", [result(empty())], NOT_MEASURED),
+    "near": ("spatial error, nothing", [result(taps(off_mm=2.9))], PASS),
+    "far": ("spatial error, nothing", [result(taps(off_mm=3.1))], SHORT),
+    "in the first frame": ("contact", [result(taps())], PASS),
+    "hover within": ("hover error", [result(held(0.9), "hover")], PASS),
+    "hover beyond": ("hover error", [result(held(1.1), "hover")], SHORT),
+    "hover told too rarely": ("hover error", [result(held(0.1, unseen=0.1), "hover")], SHORT),
+    "noise is judged apart": ("hover error", [result(held(9.0), "hover-noise2")], NOT_MEASURED),
+    "pressure within": ("pressure error", [result(held(7.0, "pressure"), "pressure")], PASS),
+    "re-taps of 2 mm": ("touch point", [result(retapped({2.0: 99}), "threshold")], PASS),
+    "re-taps of 3 mm": ("touch point", [result(retapped({2.0: 98, 3.0: 100}), "threshold")], SHORT),
+    "no re-tap told": ("touch point", [result(retapped({6.0: 0}), "threshold")], SHORT),
+    "a key in 100": ("keys", [result(empty(keys=Keys(100, 1)), "typing")], PASS),
+    "two keys in 100": ("keys", [result(empty(keys=Keys(100, 2)), "typing-fast")], SHORT),
+    "right, but two in 100 missed": (
+        "keys",
+        [result(empty(keys=Keys(100, 0, missed=2)), "typing")],
+        SHORT,
+    ),
+    "a stuck touch": ("touches that stick", [result(empty(conduct=Conduct(1)))], SHORT),
+    "real taps": ("real people", [result(taps(), "labels-05_1")], PASS),
+    "everybody calibrated": ("tables that could not", [result(taps())], PASS),
+    "somebody refused": ("tables that could not", [result(None, refused="too far")], SHORT),
+}
+
+
+@pytest.mark.parametrize("figure, results, word", CASES.values(), ids=CASES.keys())
+def test_each_goal_says_whether_it_is_met(figure, results, word):
+    assert line_of(figure, results).endswith(word)
+
+
+def test_the_worst_family_is_named_though_the_mean_would_pass():
+    fine, poor = replace(SUBJECT, family="sigmoid"), replace(SUBJECT, family="straight")
+    results = [result(held(0.2), "hover", subject=fine)] * 9
+    results.append(result(held(4.0), "hover-noise2", subject=poor))
+    told = line_of("hover error, worst", results)
+    assert told == f"4.00 mm (straight, doubled noise), {SHORT}"
+
+
+@pytest.mark.parametrize("touches, word", [(1888, SHORT), (1920, PASS)])
+def test_doubled_touches_are_allowed_as_often_as_the_goal_says(touches, word):
+    """Two of 3840, so one of 1920 and none of fewer."""
+    one, none = taps(count=32, doubled=[3]), taps(count=32)
+    results = [result(one)] + [result(none)] * (touches // 32 - 1)
+    assert line_of("missed", results).endswith(word)
+
+
+def test_every_method_has_a_column_of_its_own_results():
+    results = [result(taps()), result(taps(missed=[0]), method="paper")]
+    table = goal_table(results)
+    assert table.head == ("figure", "paper", "goal", "ours", "paper")
+    (row,) = [row for row in table.rows if row[0].startswith("touch:")]
+    assert (row[3].endswith(PASS), row[4].endswith(SHORT)) == (True, True)
+
+
+def test_no_results_are_no_figures():
+    assert goal_table(()).rows[0] == (GOALS[0].figure, GOALS[0].paper, GOALS[0].goal)
+    assert breakdown(()) == ()
+
+
+def test_a_breakdown_has_a_row_a_material_and_method_and_the_refused_with_their_sentence():
+    foam = replace(SUBJECT, name="202-foam", material="foam")
+    results = [
+        result(taps()),
+        result(taps(doubled=[1]), method="paper"),
+        result(None, subject=foam, refused="the states overlap: press harder"),
+    ]
+    tables = {table.title: table.rows for table in breakdown(results)}
+    touches = tables["Touches by material"]
+    assert [row[:3] for row in touches] == [("wood", "ours", "6"), ("wood", "paper", "6")]
+    assert [row[7] for row in touches] == ["0", "1"]
+    refused = ("202-foam", "ours", "the states overlap: press harder")
+    assert tables["Could not be calibrated"] == (refused,)
+
+
+def test_levels_are_told_one_by_one_with_their_bias_and_by_noise():
+    results = [result(held(0.5), "hover"), result(held(0.7), "hover-noise2")]
+    table = next(t for t in breakdown(results) if t.title == "Hover and pressure by level")
+    assert table.rows == (("hover, 10 mm", "ours", "0.50 ± 0.00", "-0.50", "0.70 ± 0.00", "-0.70"),)
+
+
+TABLE = Table("Title", ("what", "a|b"), (("one", "1"), ("longer", "22")), "Read so.")
+
+
+def test_text_stands_in_columns():
+    assert as_text(TABLE).splitlines() == [
+        "Title", "", "what    a|b", "------  ---", "one     1", "longer  22", "", "Read so.",
+    ]  # fmt: skip
+
+
+def test_markdown_keeps_its_columns_whatever_is_in_them():
+    assert as_markdown(TABLE).splitlines()[2:6] == [
+        "| what | a\\|b |", "| --- | --- |", "| one | 1 |", "| longer | 22 |",
+    ]  # fmt: skip
+
+
+class Reader(HTMLParser):
+    """Collects what a page would load, and whether every tag is closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.loads, self.open, self.words = [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.handle_startendtag(tag, attributes)
+        if tag != "meta":
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.loads += [value for name, value in attributes if name in ("src", "href", "data")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def everything():
+    foam = Subject("202-foam", 202, "foam", "sigmoid")
+    for method in ("ours", "paper"):
+        yield result(taps(), method=method)
+        yield result(held(0.5), "hover", method)
+        yield result(held(0.7), "hover-noise2", method, foam)
+        yield result(held(5.0, "pressure"), "pressure", method, foam)
+        yield result(retapped({1.0: 50, 2.0: 100}), "threshold", method)
+    yield result(None, method="ours", subject=foam, refused="too <b>far</b> & low")
+
+
+def test_the_page_is_complete_in_itself_and_whole():
+    reader = Reader()
+    text = page(tuple(everything()), FACTS)
+    reader.feed(text)
+    assert (reader.loads, reader.open) == ([], [])
+    assert "<script" not in text
+    assert "url(" not in text
+    assert "201 & 202" in reader.words
+    assert any("too <b>far</b> & low" in words for words in reader.words)
+
+
+def test_every_drawing_is_sound_and_says_what_it_shows():
+    text = page(tuple(everything()), FACTS)
+    drawings = ["<svg" + part.split("</svg>")[0] + "</svg>" for part in text.split("<svg")[1:]]
+    # A map of the one material, two clouds, the bars, two families of hover and one of pressure,
+    # two histograms and the re-taps.
+    assert len(drawings) == 1 + 2 + 1 + 2 + 1 + 2 + 1
+    for drawing in drawings:
+        root = ElementTree.fromstring(drawing)
+        assert root.get("aria-label")
+        assert "nan" not in drawing
+
+
+def test_the_same_results_give_the_same_page():
+    assert page(tuple(everything()), FACTS) == page(tuple(everything()), FACTS)
+
+
+def test_a_page_of_nothing_is_still_a_page():
+    assert page((), {}).endswith("</html>\n")

@@ -103,10 +103,12 @@ class GuidedPlace:
     ) -> list[list[Place]]:
         """Take three touches for each cue; those of one that differ are asked for again at once."""
         observer = self._guided.observer(profile)
+        # One for all: it remembers a finger that still rests on the mark before.
+        dwells = dwells_for(profile, self._guided.setup.camera.fps)
 
         def one(number: int) -> list[Place]:
             before(number)
-            cue, dwells = cues[number], dwells_for(profile, self._guided.setup.camera.fps)
+            cue = cues[number]
             self._guided.guide.tell(cue)
             places: list[Place] = []
             for frame in self._guided.timed(cue.name, TOUCH_S):

@@ -46,8 +46,6 @@ from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame
 
 STILL = (0.0, 0.0)
 """Where a finger is expected, it is expected now."""
-LEAST_TOP_MM = 5.0
-"""A fingertip's upper side stands higher than this; what does not is surface."""
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
 """Name, width and height in mm of a surface that nobody has calibrated."""
 
@@ -167,8 +165,7 @@ def _tip(
     """Return the fingertip about a place, or None where no finger is."""
     sighting = sighted(finger, place)
     tip = locate(sighting, STILL, own, scene.frame.depth, scene.profile, thickness_mm)
-    lies = tip.top_mm < LEAST_TOP_MM  # false for nan: unmeasured
-    return tip if not lies and is_finger(own.hand, tip.tip_px, place.direction) else None
+    return tip if is_finger(own.hand, tip.tip_px, place.direction) else None
 
 
 def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:

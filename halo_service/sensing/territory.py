@@ -31,9 +31,10 @@ STRIP_PX = 6.0
 """Half the breadth of the strip in which a finger's end is sought."""
 LEAST_PX = 20
 """Fewer pixels are noise."""
-BACK_PX = np.arange(5.0, 15.0, 2.0)
+BACK_PX = np.arange(8.0, 22.0, 3.0)
 ACROSS_PX = np.arange(-14.0, 15.0)
-"""Where a finger's breadth is looked at: behind its round tip, and wider than it is."""
+"""Where a finger's breadth is looked at: behind the tip, whose end a strong halo hides, and wider
+than it is."""
 BREADTH_PX = (4.0, 24.0)
 """Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with room)."""
 

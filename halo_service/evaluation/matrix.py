@@ -38,6 +38,8 @@ class Task:
     """As in a source's name: (("noise", "2"),)."""
     hands: int = 1
     """How many the tracker looks for."""
+    all_fingers: bool = False
+    """Every finger is a pointer, not the index fingers alone."""
     every_material: bool = False
     """On each of the materials; else once a user."""
 
@@ -58,8 +60,8 @@ TASKS = (
     Task("typing-accurate", "typing-accurate", 30.0, ends=False, hands=2),
     Task("typing", "typing", 30.0, ends=False, hands=2),
     Task("typing-fast", "typing-fast", 30.0, ends=False, hands=2),
-    Task("ten-fingers", "ten-fingers", 30.0, ends=False, hands=2),
-    Task("chaos", "chaos", 40.0, ends=False, hands=2),
+    Task("ten-fingers", "ten-fingers", 30.0, ends=False, hands=2, all_fingers=True),
+    Task("chaos", "chaos", 40.0, ends=False, hands=2, all_fingers=True),
 )
 """The full matrix."""
 QUICK_TASKS = (

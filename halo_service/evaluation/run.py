@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from multiprocessing import connection
 from typing import Any
@@ -165,13 +165,12 @@ def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tup
         kept = load(order.studio.path(person, task))
         captures = (restore(capture, known.background)[0] for capture in kept.captures)
         methods = [METHODS[name] for name in known.profiles]
-        told = together(
-            captures, factory(), Remembered(kept), methods, known.profiles, order.settings
-        )
+        settings = replace(order.settings, fingers="all") if task.all_fingers else order.settings
+        told = together(captures, factory(), Remembered(kept), methods, known.profiles, settings)
         truth, script = kept.truth, kept.script
         for name, profile in known.profiles.items():
             results[name] = judged(
-                subject, task.name, name, told[name], truth, script, profile, order.settings
+                subject, task.name, name, told[name], truth, script, profile, settings
             )
     return tuple(results[name] for name in order.methods)
 

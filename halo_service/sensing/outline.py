@@ -144,16 +144,16 @@ def straight(
 
 
 def _look(revealed: Revealed, depth: Depth, guess: Pixel) -> _View | None:
-    left, top = max(round(guess[0]) - VIEW_PX, 0), max(round(guess[1]) - VIEW_PX, 0)
-    window = (
-        slice(top, max(round(guess[1]) + VIEW_PX, 0)),
-        slice(left, max(round(guess[0]) + VIEW_PX, 0)),
-    )
-    own = (revealed.hand[window] | revealed.free[window]) & (depth[window] > 0)
+    column, row = (round(each) for each in revealed.inside(guess))
+    left, top = max(column - VIEW_PX, 0), max(row - VIEW_PX, 0)
+    seen = revealed.cut((slice(top, max(row + VIEW_PX, 0)), slice(left, max(column + VIEW_PX, 0))))
+    height, width = seen.hand.shape
+    measured = depth[seen.top : seen.top + height, seen.left : seen.left + width] > 0
+    own = (seen.hand | seen.free) & measured
     if own.size == 0:
         return None
-    excess = np.where(own, revealed.excess_mm[window], np.float32(0.0))
-    return _View(excess, own.astype(np.float32), left, top)
+    excess = np.where(own, seen.excess_mm, np.float32(0.0))
+    return _View(excess, own.astype(np.float32), seen.left, seen.top)
 
 
 def _midline(

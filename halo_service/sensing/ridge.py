@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
+from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.sightings import Pixel
 from halo_service.values import Depth
 
-Pixel = tuple[float, float]
 Floats = NDArray[np.float64]
 
 BACK = np.arange(0.0, 44.0)
@@ -53,7 +54,7 @@ class Angles(NamedTuple):
 
 def angles(
     depth: Depth,
-    hand: NDArray[np.bool_],
+    revealed: Revealed,
     tip: Pixel,
     direction: Pixel,
     camera: Camera,
@@ -61,9 +62,9 @@ def angles(
 ) -> Angles | None:
     """Return pitch and yaw, or None where too little of the finger is measured.
 
-    `hand`: (H, W) mask; `tip`: the silhouette's end, px; `direction`: unit vector towards it.
+    `tip`: the silhouette's end, px; `direction`: unit vector towards it.
     """
-    ridge = _ridge(depth, hand, tip, direction)
+    ridge = _ridge(depth, revealed, tip, direction)
     if ridge is None:
         return None
     px, depth_mm = ridge
@@ -80,14 +81,13 @@ def angles(
     return Angles(pitch, math.degrees(math.atan2(across, -forward)))
 
 
-def height_behind(
-    excess_mm: NDArray[np.float32], tip: Pixel, direction: Pixel, back_px: float
-) -> float:
+def height_behind(revealed: Revealed, tip_px: Pixel, direction: Pixel, back_px: float) -> float:
     """Return how high the upper side is so far behind the tip, mm; nan where unmeasured.
 
     Read against the empty surface seen in the same pixels, so that what the camera always reads
     wrongly there cancels out.
     """
+    tip, excess_mm = revealed.inside(tip_px), revealed.excess_mm
     x = np.rint(tip[0] - (back_px + NAIL[:, None]) * direction[0] - NAIL * direction[1])
     y = np.rint(tip[1] - (back_px + NAIL[:, None]) * direction[1] + NAIL * direction[0])
     height, width = excess_mm.shape
@@ -98,17 +98,18 @@ def height_behind(
 
 
 def _ridge(
-    depth: Depth, hand: NDArray[np.bool_], tip: Pixel, direction: Pixel
+    depth: Depth, revealed: Revealed, tip: Pixel, direction: Pixel
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
     dx, dy = direction
-    x = np.rint(tip[0] - BACK[:, None] * dx - SIDE * dy).astype(np.intp)
-    y = np.rint(tip[1] - BACK[:, None] * dy + SIDE * dx).astype(np.intp)
-    height, width = depth.shape
+    end = revealed.inside(tip)
+    x = np.rint(end[0] - BACK[:, None] * dx - SIDE * dy).astype(np.intp)
+    y = np.rint(end[1] - BACK[:, None] * dy + SIDE * dx).astype(np.intp)
+    height, width = revealed.hand.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
-    seen = depth[y, x]
-    seen = np.where(inside & hand[y, x] & (seen > 0), seen, FAR).astype(np.float64)
+    seen = depth[y + revealed.top, x + revealed.left]
+    seen = np.where(inside & revealed.hand[y, x] & (seen > 0), seen, FAR).astype(np.float64)
     crest = (seen <= seen.min(axis=1)[:, None] + CREST_MM) & (seen < FAR)
     count = crest.sum(axis=1)
     rows = count >= LEAST_PX

@@ -28,6 +28,16 @@ class Revealed:
     top: int = 0
     """The first column and row in the image."""
 
+    @property
+    def rows(self) -> slice:
+        """Of the image."""
+        return slice(self.top, self.top + self.hand.shape[0])
+
+    @property
+    def columns(self) -> slice:
+        """Of the image."""
+        return slice(self.left, self.left + self.hand.shape[1])
+
     def inside(self, image_px: Pixel) -> Pixel:
         """Return where a place of the image is in these arrays."""
         return image_px[0] - self.left, image_px[1] - self.top

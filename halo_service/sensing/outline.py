@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
+from halo_service.sensing.straight import Grid, blended, grid, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -83,13 +84,6 @@ class _View(NamedTuple):
     """(h, w) excess depth where it is the finger's, `NO_RIDGE` elsewhere."""
 
 
-class _Grid(NamedTuple):
-    """Where a straightened part of the view is read, px from the tip."""
-
-    along: Excess
-    across: Excess
-
-
 def outline(
     revealed: Revealed, depth: Depth, guess: Pixel, direction: Pixel, radius_px: float
 ) -> Outline | None:
@@ -107,7 +101,7 @@ def outline(
     rough = silhouette_end(finger, part.inside(guess), direction, radius_px)
     if rough is None:
         return None
-    layers = cv2.merge([excess, own.astype(np.float32)])
+    layers = np.asarray(cv2.merge([excess, own.astype(np.float32)]), dtype=np.float32)
     view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
     tip, direction = _midline(view, rough, direction, radius_px)
     for _ in range(2):  # the second pass stands in the middle, the first may stand beside it
@@ -148,16 +142,6 @@ def silhouette_end(
     return tip
 
 
-def _straight(
-    image: Excess, tip: Pixel, direction: Pixel, grid: _Grid, how: int, outside: float
-) -> Excess:
-    """Sample an image in a finger's own rows and columns."""
-    ux, uy = np.float32(direction[0]), np.float32(direction[1])
-    x = grid.along * ux - grid.across * uy + np.float32(tip[0])
-    y = grid.along * uy + grid.across * ux + np.float32(tip[1])
-    return np.asarray(cv2.remap(image, x, y, how, borderValue=outside))
-
-
 def _around(revealed: Revealed, guess: Pixel) -> Revealed:
     column, row = (round(each) for each in revealed.inside(guess))
     rows = slice(max(row - VIEW_PX, 0), max(row + VIEW_PX, 0))
@@ -167,16 +151,16 @@ def _around(revealed: Revealed, guess: Pixel) -> Revealed:
 def _midline(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[Pixel, Pixel]:
     """Follow the finger back from its end: return the end in its middle, and its direction."""
     for back_px in MIDLINE_PX:
-        grid = _behind(back_px, radius_px)
-        read = _straight(view.ridge, tip, direction, grid, cv2.INTER_NEAREST, NO_RIDGE)
+        at = _behind(back_px, radius_px)
+        read = nearest(view.ridge, tip, direction, at, NO_RIDGE)
         highest = np.minimum(read.min(axis=1) + CREST_MM, np.float32(NO_RIDGE - 1.0))
         crest = read <= highest[:, None]
         count = np.count_nonzero(crest, axis=1)
         rows = count >= LEAST_PX
         if np.count_nonzero(rows) < LEAST_ROWS:
             break
-        middles = (crest @ grid.across[0])[rows] / count[rows]
-        slope, middle = _line(grid.along[rows, 0].astype(np.float64), middles)
+        middles = (crest @ at.across[0])[rows] / count[rows]
+        slope, middle = _line(at.along[rows, 0].astype(np.float64), middles)
         slope = min(max(slope, -TURN), TURN)
         tip = _moved(tip, direction, 0.0, middle)
         length = math.hypot(1.0, slope)
@@ -209,42 +193,37 @@ def _sides(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple
 
 
 @lru_cache(maxsize=16)
-def _behind(back_px: int, radius_px: float) -> _Grid:
+def _behind(back_px: int, radius_px: float) -> Grid:
     half = math.ceil(radius_px) + 1
-    return _grid(np.arange(-back_px, -2), np.arange(-half, half + 1))
+    return grid(np.arange(-back_px, -2), np.arange(-half, half + 1))
 
 
 @lru_cache(maxsize=16)
-def _ahead(radius_px: float) -> _Grid:
+def _ahead(radius_px: float) -> Grid:
     half = math.floor(ROUND * radius_px)
-    grid = _grid(np.arange(*AHEAD_PX), np.arange(-half, half + 1))
+    straight = grid(np.arange(*AHEAD_PX), np.arange(-half, half + 1))
     # Bent like the end itself, so that the edge lies at one place in all columns.
-    bend = radius_px - np.sqrt(radius_px**2 - grid.across**2)
-    return _Grid((grid.along - bend).astype(np.float32), grid.across)
+    bend = radius_px - np.sqrt(radius_px**2 - straight.across**2)
+    return Grid((straight.along - bend).astype(np.float32), straight.across)
 
 
 @lru_cache(maxsize=16)
-def _beside(radius_px: float) -> _Grid:
+def _beside(radius_px: float) -> Grid:
     back = np.arange(-math.ceil(2.0 * radius_px), -math.floor(0.7 * radius_px))
-    return _grid(back, np.arange(*ACROSS_PX))
+    return grid(back, np.arange(*ACROSS_PX))
 
 
-def _grid(along: NDArray[np.int_], across: NDArray[np.int_]) -> _Grid:
-    rows, columns = np.meshgrid(along, across, indexing="ij")
-    return _Grid(rows.astype(np.float32), columns.astype(np.float32))
-
-
-def _profile(view: _View, tip: Pixel, direction: Pixel, grid: _Grid, axis: int) -> Floats | None:
+def _profile(view: _View, tip: Pixel, direction: Pixel, at: Grid, axis: int) -> Floats | None:
     """Average the excess over one direction, by what was measured; gaps are bridged."""
-    read = _straight(view.layers, tip, direction, grid, cv2.INTER_LINEAR, 0.0)
+    read = blended(view.layers, tip, direction, at)
     total, weight = read.sum(axis=axis, dtype=np.float64).T
     seen = weight > 0.15 * read.shape[axis]
     if np.count_nonzero(seen) < LEAST_ROWS:
         return None
     if seen.all():
         return np.asarray(total / weight)
-    at = np.arange(len(total), dtype=np.float64)
-    return np.interp(at, at[seen], total[seen] / weight[seen])
+    place = np.arange(len(total), dtype=np.float64)
+    return np.interp(place, place[seen], total[seen] / weight[seen])
 
 
 def _edge(profile: Floats, first_px: int, within_px: tuple[int, int]) -> tuple[float, bool]:

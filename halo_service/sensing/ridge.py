@@ -17,13 +17,14 @@ from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
+from halo_service.sensing.straight import grid, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
 
-BACK = np.arange(0.0, 44.0)
+BACK = np.arange(44)
 """Rows, px behind the tip: a flat finger's last two segments at 0.5 m."""
-SIDE = np.arange(-9.0, 10.0)
+SIDE = np.arange(-9, 10)
 """Columns, px beside the finger's line: half a finger more than a finger."""
 CREST_MM = 4.0
 """What is this near to a row's nearest pixel is ridge: a wedge under the finger is not."""
@@ -42,7 +43,8 @@ TAPER_DEG = 6.0
 hand shows at 45 degrees)."""
 NAIL = np.arange(-2.0, 3.0)
 """Rows and columns, px, whose mean is the height of the upper side."""
-FAR = np.iinfo(np.uint16).max
+FAR = float(np.iinfo(np.uint16).max)
+AT = grid(-BACK, SIDE)
 
 
 class Angles(NamedTuple):
@@ -102,16 +104,11 @@ def _ridge(
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
     dx, dy = direction
-    end = revealed.inside(tip)
-    x = np.rint(end[0] - BACK[:, None] * dx - SIDE * dy).astype(np.intp)
-    y = np.rint(end[1] - BACK[:, None] * dy + SIDE * dx).astype(np.intp)
-    height, width = revealed.hand.shape
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
-    seen = depth[y + revealed.top, x + revealed.left]
-    seen = np.where(inside & revealed.hand[y, x] & (seen > 0), seen, FAR).astype(np.float64)
-    crest = (seen <= seen.min(axis=1)[:, None] + CREST_MM) & (seen < FAR)
-    count = crest.sum(axis=1)
+    image = depth[revealed.rows, revealed.columns].astype(np.float32)
+    image[(image == 0.0) | ~revealed.hand] = FAR
+    seen = nearest(image, revealed.inside(tip), direction, AT, FAR)
+    crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
+    count = np.count_nonzero(crest, axis=1)
     rows = count >= LEAST_PX
     if np.count_nonzero(rows) < LEAST_ROWS:
         return None

@@ -79,7 +79,24 @@ def around(places: Sequence[Expected], shape: tuple[int, ...]) -> Part:
 
 def share(fingers: Sequence[Expected], revealed: Revealed) -> Shares:
     """Give each pixel around the fingers to the nearest of them."""
-    return Shares(_nearest(fingers, revealed, 0.0), _nearest(fingers, revealed, TIP_PX))
+    shape = revealed.hand.shape
+    halo, hand = np.full(shape, NOBODY, np.uint8), np.full(shape, NOBODY, np.uint8)
+    if len(fingers) < 2:
+        return Shares(halo, hand)
+    halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
+    for number, finger in enumerate(fingers):
+        tip = revealed.inside(finger.tip_px)
+        box = _box(tip, shape)
+        dx, dy = _from(tip, box)
+        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
+        back, aside = -dx * ux - dy * uy, (dy * ux - dx * uy) ** 2
+        for owners, away, from_px in ((halo, halo_away, 0.0), (hand, hand_away, TIP_PX)):
+            off = back - np.clip(back, np.float32(from_px), np.float32(FINGER_PX))
+            own = aside + off * off
+            nearer = own < away[box]
+            np.copyto(away[box], own, where=nearer)
+            np.copyto(owners[box], np.uint8(number), where=nearer)
+    return Shares(halo, hand)
 
 
 def territory(revealed: Revealed, shares: Shares, number: int, place: Expected) -> Revealed:
@@ -126,24 +143,6 @@ def is_finger(revealed: Revealed, tip_px: Pixel, direction: Pixel) -> bool:
     seen = hand[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] & inside
     breadth = float(np.median(np.count_nonzero(seen, axis=1)))
     return BREADTH_PX[0] <= breadth <= BREADTH_PX[1]
-
-
-def _nearest(fingers: Sequence[Expected], revealed: Revealed, from_px: float) -> Owners:
-    """Return the number of each pixel's nearest line; the lines begin `from_px` behind the tips."""
-    shape = revealed.hand.shape
-    owners = np.full(shape, NOBODY, np.uint8)
-    away = np.full(shape, FAR, np.float32)
-    for number, finger in enumerate(fingers):
-        tip = revealed.inside(finger.tip_px)
-        box = _box(tip, shape)
-        dx, dy = _from(tip, box)
-        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
-        back = np.clip(-(dx * ux + dy * uy), np.float32(from_px), np.float32(FINGER_PX))
-        own = (dx + back * ux) ** 2 + (dy + back * uy) ** 2
-        nearer = own < away[box]
-        np.copyto(away[box], own, where=nearer)
-        owners[box][nearer] = number
-    return owners
 
 
 def _open(owners: Owners, number: int) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
-from halo_service.sensing.straight import grid, nearest
+from halo_service.sensing.straight import Grid, grid, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -41,8 +41,8 @@ FINGER_MM = (3.0, 45.0)
 TAPER_DEG = 6.0
 """The upper side is steeper than the axis: a finger is thinner at its end (chosen: what the virtual
 hand shows at 45 degrees)."""
-NAIL = np.arange(-2.0, 3.0)
-"""Rows and columns, px, whose mean is the height of the upper side."""
+NAIL = grid(np.arange(-2, 3), np.arange(-2, 3))
+"""Pixels whose mean is the height of the upper side."""
 FAR = float(np.iinfo(np.uint16).max)
 AT = grid(-BACK, SIDE)
 
@@ -89,14 +89,10 @@ def height_behind(revealed: Revealed, tip_px: Pixel, direction: Pixel, back_px: 
     Read against the empty surface seen in the same pixels, so that what the camera always reads
     wrongly there cancels out.
     """
-    tip, excess_mm = revealed.inside(tip_px), revealed.excess_mm
-    x = np.rint(tip[0] - (back_px + NAIL[:, None]) * direction[0] - NAIL * direction[1])
-    y = np.rint(tip[1] - (back_px + NAIL[:, None]) * direction[1] + NAIL * direction[0])
-    height, width = excess_mm.shape
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    read = excess_mm[y[inside].astype(np.intp), x[inside].astype(np.intp)]
-    read = read[read != 0.0]
-    return float(-read.mean()) if read.size else math.nan
+    at = Grid(NAIL.along - np.float32(back_px), NAIL.across)
+    read = nearest(revealed.excess_mm, revealed.inside(tip_px), direction, at, 0.0)
+    count = np.count_nonzero(read)
+    return -float(read.sum()) / count if count else math.nan
 
 
 def _ridge(
@@ -104,9 +100,9 @@ def _ridge(
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
     dx, dy = direction
-    image = depth[revealed.rows, revealed.columns].astype(np.float32)
-    image[(image == 0.0) | ~revealed.hand] = FAR
-    seen = nearest(image, revealed.inside(tip), direction, AT, FAR)
+    around = depth[revealed.rows, revealed.columns]
+    finger = np.where(np.logical_and(around, revealed.hand), around, np.float32(FAR))
+    seen = nearest(finger, revealed.inside(tip), direction, AT, FAR)
     crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
     count = np.count_nonzero(crest, axis=1)
     rows = count >= LEAST_PX

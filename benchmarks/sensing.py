@@ -1,0 +1,82 @@
+"""What sensing a frame costs by its fingers: `python benchmarks/sensing.py FOLDER`.
+
+FOLDER holds one person's takes, as `halo evaluate --keep` leaves them: `pointing` shows one finger,
+`ten-fingers` two or, where every finger is a pointer, ten. Printed is the CPU time of a frame, and
+how many full-frame differences to the background the same machine makes in that time.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+from statistics import median
+from typing import TypeVar
+
+import cv2
+
+from halo_service.evaluation.calibrated import by_script
+from halo_service.evaluation.capture import background_of
+from halo_service.evaluation.kept import load, played
+from halo_service.profile import Profile
+from halo_service.sensing import SensingSettings, start, step
+from halo_service.sensing.background import excess_depth
+from halo_service.sensing.sightings import Fingers
+from halo_service.values import Frame, Tracked
+
+T = TypeVar("T")
+FRAMES = 300
+CASES: tuple[tuple[str, Fingers, int], ...] = (
+    ("pointing", "index", 1),
+    ("ten-fingers", "index", 2),
+    ("ten-fingers", "all", 10),
+)
+"""A take, which of its fingers are pointers, and how many that makes."""
+
+
+def main() -> int:
+    """Print one line a case."""
+    folder = Path(sys.argv[1])
+    cv2.setNumThreads(1)  # as `halo serve` does
+    background = background_of(folder)
+    profile = by_script(load(folder / "calibration.npz"), background, SensingSettings())
+    for task, fingers, count in CASES:
+        frames = list(islice(played(load(folder / f"{task}.npz"), background), FRAMES))
+        sensing, difference = costs(profile, SensingSettings(fingers=fingers), frames, count)
+        print(
+            f"{count:2} fingers  {1e3 * sensing:5.2f} ms a frame  {1e3 * sensing / count:.2f} ms a "
+            f"finger  {sensing / difference:5.2f} full-frame differences",
+            flush=True,
+        )
+    return 0
+
+
+def costs(
+    profile: Profile, settings: SensingSettings, frames: list[tuple[Frame, Tracked]], count: int
+) -> tuple[float, float]:
+    """Return the median s of a frame with so many pointers, and of a full-frame difference."""
+    state, late = start(profile, settings), None
+    steps, differences = [], []
+    for frame, tracked in frames:
+        (told, state), seconds = timed(lambda s=state, f=frame, t=late: step(s, f, t))
+        late = tracked
+        if len(told.pointers) == count:
+            steps.append(seconds)
+            _, seconds = timed(lambda f=frame: excess_depth(f.depth, profile.background))
+            differences.append(seconds)
+    if not steps:
+        raise SystemExit(f"no frame of the take shows {count} fingers")
+    return median(steps), median(differences)
+
+
+def timed(work: Callable[[], T]) -> tuple[T, float]:
+    """Do it, and return how long this thread worked on it, s."""
+    began = time.thread_time()
+    done = work()
+    return done, time.thread_time() - began
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
-from halo_service.sensing.straight import Grid, blended, grid, nearest
+from halo_service.sensing.silhouette import silhouette_end, stands_out
+from halo_service.sensing.straight import Grid, blended, grid, moved, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -25,17 +26,6 @@ Excess = NDArray[np.float32]
 
 VIEW_PX = 48
 """Half the view: the tracker's error, and a flat finger's last segment behind it."""
-ROI_PX = 22
-"""Half the window in which the silhouette's end is sought: a fast finger's way in one frame."""
-NEARER_MM = 4.0
-"""What reads nearer than the surface by this much is finger (chosen: above the noise)."""
-STANDS_OUT_MM = 8.0
-"""What reads nearer than its surroundings by this much is finger too (chosen: half of the least
-step between a finger and the dent around it, and above the noise of 3 x 3 pixels)."""
-FILLING = np.ones((21, 21), np.uint8)
-"""A valley narrower than this is a finger: half as wide again as a finger at 0.5 m."""
-LEAST_HAND_PX = 20
-"""Fewer finger pixels in the window are noise."""
 CREST_MM = 4.0
 """What is this near to a row's nearest pixel is the finger's ridge: a wedge under it is not."""
 MIDLINE_PX = (12, 18, 26)
@@ -106,40 +96,10 @@ def outline(
     tip, direction = _midline(view, rough, direction, radius_px)
     for _ in range(2):  # the second pass stands in the middle, the first may stand beside it
         ahead, clear = _end(view, tip, direction, radius_px)
-        tip = _moved(tip, direction, ahead, 0.0)
+        tip = moved(tip, direction, ahead, 0.0)
         aside, width_px = _sides(view, tip, direction, radius_px)
-        tip = _moved(tip, direction, 0.0, aside)
+        tip = moved(tip, direction, 0.0, aside)
     return Outline((tip[0] + part.left, tip[1] + part.top), direction, width_px, clear)
-
-
-def stands_out(excess_mm: Excess) -> NDArray[np.bool_]:
-    """Return the mask of what is nearer than the surface, or than the dent around it."""
-    smooth = cv2.blur(excess_mm, (3, 3))
-    filled = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, FILLING)
-    return np.asarray((smooth < -NEARER_MM) | (filled - smooth > STANDS_OUT_MM))
-
-
-def silhouette_end(
-    finger: NDArray[np.bool_], guess: Pixel, direction: Pixel, radius_px: float
-) -> Pixel | None:
-    """Return the end of the finger's mask near a guess, to a few px; None where no finger is."""
-    tip, half_px = guess, 1.3 * radius_px
-    for _ in range(2):  # the second pass looks straight along the finger, the first may look askew
-        left, top = max(round(tip[0]) - ROI_PX, 0), max(round(tip[1]) - ROI_PX, 0)
-        window = finger[top : max(top + 2 * ROI_PX, 0), left : max(left + 2 * ROI_PX, 0)]
-        rows, columns = np.nonzero(window)
-        dx, dy = columns + left - tip[0], rows + top - tip[1]
-        along = dx * direction[0] + dy * direction[1]
-        across = dy * direction[0] - dx * direction[1]
-        near = np.abs(across) <= half_px
-        if np.count_nonzero(near) < LEAST_HAND_PX:
-            return None
-        along, across = along[near], across[near]
-        end = float(np.partition(along, -3)[-3])  # the third farthest: two may be stray pixels
-        foremost = across[along > end - half_px]
-        middle = float(foremost.sum()) / foremost.size
-        tip = _moved(tip, direction, end, middle)
-    return tip
 
 
 def _around(revealed: Revealed, guess: Pixel) -> Revealed:
@@ -162,7 +122,7 @@ def _midline(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tup
         middles = (crest @ at.across[0])[rows] / count[rows]
         slope, middle = _line(at.along[rows, 0].astype(np.float64), middles)
         slope = min(max(slope, -TURN), TURN)
-        tip = _moved(tip, direction, 0.0, middle)
+        tip = moved(tip, direction, 0.0, middle)
         length = math.hypot(1.0, slope)
         direction = (
             (direction[0] - slope * direction[1]) / length,
@@ -251,10 +211,3 @@ def _line(x: Floats, y: Floats) -> tuple[float, float]:
     dx = x - mean_x
     slope = float(dx @ y / (dx @ dx))
     return slope, mean_y - slope * mean_x
-
-
-def _moved(point: Pixel, direction: Pixel, along: float, across: float) -> Pixel:
-    return (
-        point[0] + along * direction[0] - across * direction[1],
-        point[1] + along * direction[1] + across * direction[0],
-    )

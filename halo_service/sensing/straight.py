@@ -40,6 +40,14 @@ def nearest(image: Floats, tip: Pixel, direction: Pixel, at: Grid, outside: floa
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_NEAREST, borderValue=(outside,)))
 
 
+def moved(point: Pixel, direction: Pixel, along: float, across: float) -> Pixel:
+    """Return a point so far along a finger and across it."""
+    return (
+        point[0] + along * direction[0] - across * direction[1],
+        point[1] + along * direction[1] + across * direction[0],
+    )
+
+
 def _places(tip: Pixel, direction: Pixel, at: Grid) -> tuple[Floats, Floats]:
     ux, uy = np.float32(direction[0]), np.float32(direction[1])
     x = at.along * ux - at.across * uy + np.float32(tip[0])

@@ -8,10 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from halo_service.sensing.outline import Outline, stands_out
+from halo_service.sensing.outline import Outline
 from halo_service.sensing.outline import outline as outline_of
 from halo_service.sensing.revealer import reveal
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.silhouette import stands_out
 
 RADIUS_PX = 7.0
 SETTINGS = SensingSettings()

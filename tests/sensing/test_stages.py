@@ -15,10 +15,10 @@ from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
-from halo_service.sensing.outline import silhouette_end
 from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.revealer import reveal
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.silhouette import silhouette_end
 from halo_service.sensing.states import interpolate, touch_level
 from halo_service.values import Finger, Fingertip, Side, Signal
 

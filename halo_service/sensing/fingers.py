@@ -45,6 +45,14 @@ INSISTS = 4
 """Sightings in a row: the tracker errs singly and, on hands that overlap, in runs (chosen)."""
 REPLACED_US = 200_000
 """The tracker errs in single frames and in runs of a few (chosen: six frames)."""
+MOVED_PX = 5.0
+"""A tip that went so far has moved (chosen: more than its noise, less than a hand at rest drifts
+in a second or two)."""
+LEFT_BEHIND_US, HELD_US = 2_000_000, 10_000_000
+"""What the tracker calls no finger for so long, and what does not move either, is a thing: a pen,
+a mug. A touch is believed longer, for a finger that presses is still (chosen)."""
+SILENT_CONFIDENCE, ASTRAY_CONFIDENCE = 0.6, 0.6
+"""Factors where the tracker has not seen a finger lately, and where it sees it elsewhere."""
 UNSHOWN_CONFIDENCE = 0.4
 """Factor for each frame that does not show a finger."""
 GAP_FRAMES = 2.0
@@ -79,6 +87,8 @@ class Memory:
     """As last published; None for a newcomer."""
     path: tuple[Past, ...] = ()
     """Its tips, oldest first, at most `REMEMBERED`."""
+    moved: Past | None = None
+    """Where it was when it last moved."""
     detector: Detector | None = None
     debounce: Debounce = Debounce()  # noqa: RUF009 - frozen, so one default serves all
     motion: Motion = Motion()  # noqa: RUF009
@@ -129,6 +139,30 @@ def sighted(finger: Memory, expected: Expected) -> Sighting:
         tip_px=place,
         distal_px=(place[0] - back * dx, place[1] - back * dy),
     )
+
+
+def along(finger: Memory, now: Past, followed: bool) -> Memory:
+    """Return a finger with its tip in the present frame; `followed` along its path, or anew."""
+    moved = finger.moved
+    if moved is None or math.dist(moved.tip_px, now.tip_px) > MOVED_PX:
+        moved = now
+    path = (*(finger.path if followed else ()), now)[-REMEMBERED:]
+    return replace(finger, path=path, moved=moved, shown_us=now.time_us)
+
+
+def is_left_behind(finger: Memory, time_us: int) -> bool:
+    """Say whether what was followed is no finger: it lies still, and the tracker sees none."""
+    if finger.moved is None:
+        return False
+    believed_us = HELD_US if finger.debounce.contact.touching else LEFT_BEHIND_US
+    return time_us - max(finger.sighting.time_us, finger.moved.time_us) > believed_us
+
+
+def doubt(finger: Memory, time_us: int) -> float:
+    """Return the factor for a finger that the tracker does not confirm where it is."""
+    if time_us - finger.sighting.time_us > CLAIM_US:
+        return SILENT_CONFIDENCE
+    return ASTRAY_CONFIDENCE if finger.astray else 1.0
 
 
 def waiting(finger: Memory, time_us: int, settings: SensingSettings) -> Memory | None:
@@ -279,8 +313,12 @@ def changes(before: Memory, now: Memory | None) -> tuple[TouchEvent, ...]:
             slot=after.slot,
             x_mm=pointer.x_mm,
             y_mm=pointer.y_mm,
-            strike_mm_s=before.motion.strike_mm_s if touching else 0.0,
+            strike_mm_s=_strike(before, now) if now and touching else 0.0,
             ago_ms=after.debounce.contact.ago_us / 1000.0 if now else 0.0,
             contacts=pointer.contacts,
         ),
     )
+
+
+def _strike(before: Memory, now: Memory) -> float:
+    return before.motion.strike_mm_s(now.shown_us - now.debounce.contact.ago_us)

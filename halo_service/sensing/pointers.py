@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+
 from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
 from halo_service.sensing.hover import hover_height
@@ -21,13 +23,18 @@ from halo_service.values import (
     Touch,
 )
 
-FITTED_MS = 100.0
-"""A pointer's velocity is that of a line through its last places (chosen: three frames)."""
-FITTED = 4
-"""Places kept for it."""
+FITTED, FITTED_MS = 4, 200.0
+"""Last places that a velocity is read from, and how old they may be (chosen: as few as even out
+the noise under a curve; over more dropped frames than these the way is not known)."""
 STRIKE_SPANS = 2
-"""The fastest of so many last spans between frames is the strike: the very last is cut short by
-the contact, and a finger that lands has slowed down since."""
+"""The last two frames before a contact tell the strike: a finger falls 0.1 s from where it hovers,
+and faster to the end."""
+LEAST_FALL_S = 0.01
+"""The contact's time is known to about that (chosen: a third of a frame)."""
+HIDDEN_CONFIDENCE = 0.6
+"""Factor for a finger beside whose tip no surface is seen: its halo is another's, or none."""
+EDGE_CONFIDENCE = 0.6
+"""Factor for a finger beside the surface, where nothing was calibrated."""
 RANGE_HYSTERESIS_MM = 5.0
 """A live pointer may go this much farther than a new one may come in, so that none flickers."""
 
@@ -41,6 +48,8 @@ class Place:
     y_mm: float
     height_mm: float
     """0 in touch."""
+    top_mm: float
+    """Of the upper side by its own depth; nan where unmeasured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,48 +58,70 @@ class Motion:
 
     places: tuple[Place, ...] = ()
     """Oldest first, at most `FITTED`."""
-
-    @property
-    def velocity_mm_s(self) -> tuple[float, float]:
-        """Along the surface, x and y: slopes of lines through the last places."""
-        last = self._recent()
-        return _slope(last, [each.x_mm for each in last]), _slope(
-            last, [each.y_mm for each in last]
-        )
+    velocity_mm_s: tuple[float, float] = (0.0, 0.0)
+    """Along the surface, x and y."""
 
     @property
     def speed_mm_s(self) -> float:
         """Along the surface."""
         return math.hypot(*self.velocity_mm_s)
 
-    @property
-    def strike_mm_s(self) -> float:
-        """Towards the surface, just before a contact that is not among the places yet."""
-        spans = list(pairwise(self.places))[-STRIKE_SPANS:]
-        falls = ((a.height_mm - b.height_mm) * 1e6 / (b.time_us - a.time_us) for a, b in spans)
-        return max(0.0, *falls, 0.0)
+    def strike_mm_s(self, contact_us: float) -> float:
+        """Towards the surface, at a contact that is not among the places yet.
 
-    def _recent(self) -> list[Place]:
-        since_us = self.places[-1].time_us - 1000.0 * FITTED_MS if self.places else 0.0
-        return [each for each in self.places if each.time_us >= since_us]
+        The mean of three views, each of which errs in its own way: the pad's fastest fall (the
+        halo sees it late), its fall down to the contact (whose time lies between two frames), and
+        the fastest fall of the upper side (which the halo lifts).
+        """
+        last = self.places[-STRIKE_SPANS:]
+        views = (
+            _fastest([(each.time_us, each.height_mm) for each in self.places[-3:]]),
+            _fall(last, contact_us),
+            _fastest([(each.time_us, each.top_mm) for each in self.places[-3:]]),
+        )
+        known = [view for view in views if math.isfinite(view)]
+        return max(sum(known) / len(known), 0.0) if known else 0.0
 
 
 def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
     """Advance a motion by one frame."""
-    place = Place(time_us, now.x_mm, now.y_mm, now.hover_mm)
-    return Motion((*before.places, place)[-FITTED:])
+    top_mm = now.diagnostics.top_mm
+    place = Place(time_us, now.x_mm, now.y_mm, now.hover_mm, top_mm)
+    places = (*before.places, place)[-FITTED:]
+    return Motion(places, _velocity(places))
 
 
-def _slope(places: Sequence[Place], values: Sequence[float]) -> float:
-    """Return the least squares slope of values over time, 1/s; 0 for fewer than two."""
-    count = len(places)
-    if count < 2:
-        return 0.0
-    times = [(each.time_us - places[-1].time_us) / 1e6 for each in places]
-    mean_s, mean = sum(times) / count, sum(values) / count
-    spread = sum((time - mean_s) ** 2 for time in times)
-    together = sum((t - mean_s) * (v - mean) for t, v in zip(times, values, strict=True))
-    return together / spread
+def _velocity(places: Sequence[Place]) -> tuple[float, float]:
+    """Return the velocity in the last of some places, mm/s; 0 for a single one.
+
+    That of a parabola through them: a line's would be that of their middle, two frames ago.
+    """
+    now_us = places[-1].time_us
+    recent = [each for each in places if now_us - each.time_us <= 1000.0 * FITTED_MS]
+    if len(recent) < 2:
+        return 0.0, 0.0
+    times_s = np.array([(each.time_us - now_us) / 1e6 for each in recent])
+    powers = np.vander(times_s, 3 if len(recent) == FITTED else 2, increasing=True)
+    x, y = np.linalg.lstsq(powers, [(each.x_mm, each.y_mm) for each in recent], rcond=None)[0][1]
+    return float(x), float(y)
+
+
+def _fastest(heights: Sequence[tuple[int, float]]) -> float:
+    """Return the fastest fall between two neighbouring (time in us, mm), mm/s; nan if unknown."""
+    falls = [(a - b) * 1e6 / (later - before) for (before, a), (later, b) in pairwise(heights)]
+    return max((fall for fall in falls if math.isfinite(fall)), default=math.nan)
+
+
+def _fall(places: Sequence[Place], contact_us: float) -> float:
+    """Return the slope of the line through places and a contact, mm/s; nan without a place."""
+    times_s = [(each.time_us - contact_us) / 1e6 for each in places] + [0.0]
+    if -times_s[0] < LEAST_FALL_S:
+        return math.nan
+    heights = [each.height_mm for each in places] + [0.0]
+    mean_s, mean_mm = sum(times_s) / len(times_s), sum(heights) / len(heights)
+    spread = sum((t - mean_s) ** 2 for t in times_s)
+    together = sum((t - mean_s) * (h - mean_mm) for t, h in zip(times_s, heights, strict=True))
+    return -together / spread
 
 
 def describe(
@@ -117,7 +148,7 @@ def describe(
         force_g=force(pressure, states) if contact.touching else _no_force(states),
         vx_mm_s=0.0,
         vy_mm_s=0.0,
-        confidence=tip.confidence,
+        confidence=tip.confidence * (HIDDEN_CONFIDENCE if math.isnan(signal.dent_mm) else 1.0),
         contacts=contact.count,
         diagnostics=Diagnostics(
             camera_mm=tip.camera_mm,
@@ -130,6 +161,12 @@ def describe(
             yaw_deg=tip.yaw_deg,
         ),
     )
+
+
+def edge(pointer: Pointer, surface: Surface) -> float:
+    """Return the factor for how far out a fingertip is."""
+    inside = 0.0 <= pointer.x_mm <= surface.width_mm and 0.0 <= pointer.y_mm <= surface.height_mm
+    return 1.0 if inside else EDGE_CONFIDENCE
 
 
 def within_reach(pointer: Pointer, live: bool, surface: Surface, settings: SensingSettings) -> bool:

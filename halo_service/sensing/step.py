@@ -17,8 +17,17 @@ from halo_service.sensing.debounce import debounce
 from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract
-from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, waiting
-from halo_service.sensing.pointers import describe, follow, within_reach
+from halo_service.sensing.fingers import (
+    Memory,
+    Past,
+    along,
+    changes,
+    doubt,
+    is_left_behind,
+    meet,
+    waiting,
+)
+from halo_service.sensing.pointers import describe, edge, follow, within_reach
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.settings import SensingSettings
@@ -72,6 +81,8 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
     states = profile.states(before.side)
     assert states is not None  # `step` senses with a whole profile alone
+    if is_left_behind(before, now_us):
+        return None
     found = find(before, number, scene, states)
     if found is None:
         return waiting(before, now_us, settings)
@@ -85,11 +96,10 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     vx_mm_s, vy_mm_s = motion.velocity_mm_s
     if not within_reach(pointer, before.pointer is not None, profile.surface, settings):
         return None
+    confidence = pointer.confidence * doubt(before, now_us) * edge(pointer, profile.surface)
     return replace(
-        before,
-        pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s),
-        path=(*(before.path if found.followed else ()), Past(now_us, tip.tip_px))[-REMEMBERED:],
-        shown_us=now_us,
+        along(before, Past(now_us, tip.tip_px), found.followed),
+        pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s, confidence=confidence),
         detector=detector,
         debounce=bounced,
         motion=motion,

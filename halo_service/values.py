@@ -126,7 +126,11 @@ class Signal:
     corrected: float
     """The same, as it would read at the place and angle of the calibration."""
     dent_mm: float
-    """How deep the surface seems dented beside the fingertip, mm; nan where it is hidden."""
+    """How deep the surface seems dented under the fingertip, as it would be at the place of the
+    calibration, mm; nan where it is hidden."""
+    pressed_mm: float
+    """The same as it would be at the calibration's pitch too, for a finger that touches: in the air
+    a pitch reads otherwise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,12 @@ from halo_service.files import from_home
 log = logging.getLogger(__name__)
 
 VIRTUAL = Path(__file__).with_name("virtual_base.txt")
-HEAD = "halo-service base model 1"
+HEAD = "halo-service base model 2"
 """First line; a newer layout says another number."""
-COLUMNS = 5
+COLUMNS = {"halo-service base model 1": 5, HEAD: 6}
+"""Of a row, by the first line: the first layout knew nothing of dents."""
+KNOWN = 5
+"""Columns that hold a number in every row; a dent may have been hidden."""
 
 
 def pilot_path(camera_serial: str) -> Path:
@@ -59,11 +62,15 @@ def read_base(path: Path) -> Base:
     """Read a base model. Raises `UserError` for a file that is none."""
     try:
         head, name, serial, *rows = path.read_text(encoding="utf-8").splitlines()
-        if head != HEAD:
+        if head not in COLUMNS:
             raise ValueError(f"its first line is not '{HEAD}'")
         samples = np.array([row.split() for row in rows if not row.startswith("#")], np.float64)
-        if samples.ndim != 2 or samples.shape[1] != COLUMNS or not np.isfinite(samples).all():
-            raise ValueError(f"its rows are not {COLUMNS} numbers each")
+        if samples.ndim != 2 or samples.shape[1] != COLUMNS[head]:
+            raise ValueError(f"its rows are not {COLUMNS[head]} numbers each")
+        if not np.isfinite(samples[:, :KNOWN]).all():
+            raise ValueError("its places, angles and signals are not all numbers")
+        missing = COLUMNS[HEAD] - COLUMNS[head]
+        samples = np.pad(samples, ((0, 0), (0, missing)), constant_values=np.nan)
     except (OSError, ValueError) as error:
         raise UserError(
             f"the base model {path} cannot be read ({error}); make one with 'halo calibrate pilot'"
@@ -74,8 +81,12 @@ def read_base(path: Path) -> Base:
 def write_base(base: Base, path: Path) -> None:
     """Write a base model as text that diffs line by line."""
     lines = [HEAD, f"name {base.name}", f"camera {base.camera_serial}"]
-    lines.append("# x_mm y_mm (from the middle) pitch_deg yaw_deg signal (of the pilot's at 45)")
-    lines += [f"{x:.0f} {y:.0f} {p:.0f} {w:.0f} {s:.3f}" for x, y, p, w, s in base.relative]
+    lines.append(
+        "# x_mm y_mm (from the middle) pitch_deg yaw_deg signal dent (both of the pilot's at 45)"
+    )
+    lines += [
+        f"{x:.0f} {y:.0f} {p:.0f} {w:.0f} {s:.3f} {d:.3f}" for x, y, p, w, s, d in base.relative
+    ]
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.part")
     temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from halo_calibration.dents import by_pitch, by_place
 from halo_calibration.sweep import Samples
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Correction
@@ -40,8 +41,8 @@ class Base:
     camera_serial: str
     """The camera they were taken with; it serves no other unless told to."""
     relative: Samples
-    """(N, 5): x and y from the surface's middle in mm, pitch and yaw in degrees, signal over the
-    pilot's own median at 45 degrees."""
+    """(N, 6): x and y from the surface's middle in mm, pitch and yaw in degrees, signal and dent
+    over the pilot's own medians at 45 degrees; nan where the dent was hidden."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ class Model:
     """Expected relative signal over x, y, pitch and yaw: the base's prediction, then the user's."""
 
     def __init__(self, surface: Surface, base: Base | None, samples: Samples | None) -> None:
-        """`samples`: (N, 5) the user's sweep, or None before it."""
+        """`samples`: (N, 6) the user's sweep, or None before it."""
         self._middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0])
         self._base = None if base is None else boosted(base.relative[:, :4], base.relative[:, 4])
         self._user = None
@@ -98,7 +99,8 @@ def solve_correction(
     shape = tuple(len(axis) for axis in axes)
     expected = model.expect(grid).reshape(shape)
     here = _Grid(axes, expected).at(np.array([[at.x_mm, at.y_mm, at.pitch_deg, at.yaw_deg]]))[0]
-    kept = np.empty((0, 5)) if samples is None else samples
+    kept = np.empty((0, 6)) if samples is None else samples
+    pilots = np.empty((0, 6)) if base is None else base.relative
     x_mm, y_mm, pitch_deg, yaw_deg = (axis.astype(np.float32) for axis in axes)
     return Correction(
         x_mm,
@@ -106,6 +108,8 @@ def solve_correction(
         pitch_deg,
         yaw_deg,
         strength=(expected / here).astype(np.float32),
+        dent=by_place(kept, axes[0], axes[1], (at.x_mm, at.y_mm)).astype(np.float32),
+        dent_by_pitch=by_pitch(pilots, axes[2], at.pitch_deg).astype(np.float32),
         samples=kept.astype(np.float32),
         base="" if base is None else base.name,
     )
@@ -120,11 +124,13 @@ def judge_correction(surface: Surface, base: Base | None, samples: Samples) -> F
     return Fit(_variation(judged[:, 4]), _variation(judged[:, 4] / model.expect(judged[:, :4])))
 
 
-def relative(samples: Samples, surface: Surface, level: float) -> Samples:
-    """Make a pilot's samples comparable: places from the middle, signals over the pilot's level."""
-    moved = samples - np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0, 0.0])
-    moved[:, 4] /= level
-    return np.asarray(moved, dtype=np.float64)
+def relative(samples: Samples, surface: Surface, level: tuple[float, float]) -> Samples:
+    """Make a pilot's samples comparable: places from the middle, the rest over the pilot's level.
+
+    `level`: of signal, mm px, and dent, mm.
+    """
+    middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0, 0.0, 0.0])
+    return np.asarray((samples - middle) / (1.0, 1.0, 1.0, 1.0, *level), dtype=np.float64)
 
 
 class _Grid:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
-from halo_service.sensing.dent import dent_beside
+from halo_service.sensing.dent import dent_under
 from halo_service.sensing.extraction import extract, line_pixels
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.revealer import reveal
@@ -43,7 +43,7 @@ class Observation:
     line_px: int
     """Halo pixels on the finger's line (paper 4.3.6)."""
     dent_mm: float = math.nan
-    """How deep the surface seems dented beside the fingertip, before correction; nan if hidden."""
+    """How deep the surface seems dented under the fingertip, before correction; nan if hidden."""
     width_mm: float = math.nan
     """Of the fingertip; nan where its sides are not clear."""
 
@@ -85,6 +85,6 @@ class Observer:
             raw,
             correct(raw, tip, profile.correction),
             line_pixels(revealed, tip),
-            dent_beside(revealed, tip),
+            dent_under(revealed, tip, profile),
             tip.width_mm,
         )

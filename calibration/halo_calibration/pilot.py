@@ -34,7 +34,7 @@ def pilot_rounds(
     rounds: int = ROUNDS,
     round_s: float = ROUND_S,
 ) -> Iterator[tuple[float, Samples]]:
-    """Let one pilot sweep at all angles; yields (angle, (N, 5) samples) a round."""
+    """Let one pilot sweep at all angles; yields (angle, (N, 6) samples) a round."""
     for number in range(rounds):
         for angle in ANGLES_DEG:
             words = (
@@ -56,21 +56,27 @@ def usable(samples: Samples, angle_deg: float) -> Samples:
 
 
 def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> Samples:
-    """Make one pilot's rounds comparable to another's: (N, 5), relative to the level at 45.
+    """Make one pilot's rounds comparable to another's: (N, 6), relative to the level at 45.
 
     Raises `Refused` where the wedge's own angle taught nothing.
     """
     wedge = [samples for angle, samples in rounds if angle == WEDGE_DEG]
-    level = np.concatenate(wedge)[:, 4] if wedge else np.empty(0)
+    level = np.concatenate(wedge)[:, 4:] if wedge else np.empty((0, 2))
     if len(level) < LEAST_SAMPLES:
         raise Refused(
             f"only {len(level)} usable frames came at {WEDGE_DEG:.0f} degrees: keep the finger "
             f"on the wedge and its tip on the surface, and run the pilot again"
         )
     taught = [samples for _, samples in rounds if len(samples) >= LEAST_SAMPLES]
-    return relative(np.concatenate(taught), surface, float(np.median(level)))
+    return relative(np.concatenate(taught), surface, _medians(level))
 
 
 def merged(name: str, camera_serial: str, pilots: Sequence[Samples]) -> Base:
     """Return a base model of several pilots."""
     return Base(name, camera_serial, np.concatenate(pilots))
+
+
+def _medians(level: Samples) -> tuple[float, float]:
+    """Return the medians of (N, 2) signals and dents; hidden dents are left out."""
+    signal, dent = np.nanmedian(level, axis=0).tolist()
+    return signal, dent

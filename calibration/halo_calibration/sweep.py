@@ -29,7 +29,8 @@ MOST_LIFTED = 0.25
 """More of these, and the finger was not on the surface."""
 
 Samples = NDArray[np.float64]
-"""(N, 5): x and y in mm, pitch and yaw in degrees, raw signal in mm px."""
+"""(N, 6): x and y in mm, pitch and yaw in degrees, raw signal in mm px, dent in mm; nan where the
+dent was hidden."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,8 +45,8 @@ class Swept:
 
 def samples_of(seen: Sequence[Observation]) -> Samples:
     """Return the observations as an array."""
-    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, o.raw) for o in seen]
-    return np.array(rows, dtype=np.float64).reshape(-1, 5)
+    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, o.raw, o.dent_mm) for o in seen]
+    return np.array(rows, dtype=np.float64).reshape(-1, 6)
 
 
 def covered(samples: Samples, surface: Surface) -> NDArray[np.int_]:

@@ -13,7 +13,7 @@ from halo_calibration.errors import NO_HALO, Refused
 from halo_calibration.observe import THICKNESS_MM, Observation
 from halo_service.profile import Correction, HeldState, TouchStates
 from halo_service.profile.model import Quality
-from halo_service.sensing.correction import strength
+from halo_service.sensing.correction import dent_strength, strength
 from halo_service.sensing.fingertips import TIP_RADIUS_MM
 
 STATES = ("hover", "subtle", "touch", "pressure")
@@ -160,13 +160,15 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
 
 def _through(held: HeldState, correction: Correction | None) -> HeldState:
     if correction is None:
-        return replace(held, signal=held.raw)
+        return replace(held, signal=held.raw, deep_mm=held.deep_raw_mm)
     expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-    return replace(held, signal=held.raw / expected)
+    deep = dent_strength(correction, held.x_mm, held.y_mm)
+    return replace(held, signal=held.raw / expected, deep_mm=held.deep_raw_mm / deep)
 
 
 def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
     height_mm, force_g, given = stated.of(held.state)
+    deep_mm = _finite([each.dent_mm for each in held.seen], 0.0)
     return HeldState(
         signal=middle.signal,
         height_mm=height_mm,
@@ -177,7 +179,8 @@ def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
         y_mm=_median([each.y_mm for each in held.seen]),
         pitch_deg=_median([each.pitch_deg for each in held.seen]),
         yaw_deg=_median([each.yaw_deg for each in held.seen]),
-        dent_mm=_finite([each.dent_mm for each in held.seen], 0.0),
+        deep_mm=deep_mm,
+        deep_raw_mm=deep_mm,
     )
 
 

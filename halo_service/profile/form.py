@@ -35,6 +35,11 @@ ARRAYS = ("background", "correction")
 SURFACE = re.compile(r"(?!(?:control|sim)$)[a-z0-9_-]{1,32}")
 """What a surface may be called: its name is part of every address on the wire."""
 STATES = ("hover", "subtle", "touch", "pressure")
+GRID = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
+DENTS = ("dent", "dent_by_pitch")
+"""Arrays of a correction; older ones know nothing of dents."""
+SAMPLE_COLUMNS = 6
+"""Older samples have one less: no dents."""
 
 
 def array_files(profile: Profile) -> dict[str, bytes]:
@@ -51,7 +56,8 @@ def array_files(profile: Profile) -> dict[str, bytes]:
         correction = profile.correction
         kinds["correction"] = {
             name: getattr(correction, name)
-            for name in ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
+            for name in (*GRID, *DENTS)
+            if getattr(correction, name) is not None
         }
     files = {}
     for kind, arrays in kinds.items():
@@ -181,7 +187,12 @@ def _lens(data: dict[str, Any]) -> Lens:
 
 
 def _touch(data: dict[str, Any]) -> TouchStates:
-    return TouchStates(**{**data, **{name: HeldState(**data[name]) for name in STATES}})
+    return TouchStates(**{**data, **{name: _held(data[name]) for name in STATES}})
+
+
+def _held(data: dict[str, Any]) -> HeldState:
+    """Read a state; `dent_mm`, which the first profiles kept, was read another way."""
+    return HeldState(**{name: value for name, value in data.items() if name != "dent_mm"})
 
 
 def _background(path: Path) -> Background:
@@ -194,20 +205,29 @@ def _background(path: Path) -> Background:
 
 
 def _correction(data: dict[str, Any], folder: Path) -> Correction:
-    names = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
-    arrays = _arrays(folder / Path(data["arrays"]).name, names)
+    arrays = _arrays(folder / Path(data["arrays"]).name, GRID, DENTS)
     read = {name: array.astype(np.float32) for name, array in arrays.items()}
-    if read["strength"].shape != tuple(len(read[name]) for name in names[:4]):
+    shape = tuple(len(read[name]) for name in GRID[:4])
+    shapes = {"strength": shape, "dent": shape[:2], "dent_by_pitch": shape[2:3]}
+    if any(name in read and read[name].shape != wanted for name, wanted in shapes.items()):
         raise ValueError("its correction's grid does not fit its axes")
+    missing = SAMPLE_COLUMNS - read["samples"].shape[1]
+    read["samples"] = np.pad(read["samples"], ((0, 0), (0, missing)), constant_values=np.nan)
     return Correction(**read, base=str(data["base"]))
 
 
-def _arrays(path: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
-    """Read arrays by name. Raises OSError where there is no file, ValueError for a damaged one."""
+def _arrays(
+    path: Path, names: tuple[str, ...], may: tuple[str, ...] = ()
+) -> dict[str, NDArray[Any]]:
+    """Read arrays by name, and those that may be there.
+
+    Raises OSError where there is no file, ValueError for a damaged one.
+    """
     content = path.read_bytes()
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in names}
+            there = [name for name in may if name in arrays.files]
+            return {name: arrays[name] for name in (*names, *there)}
     except Exception as error:
         # NumPy, zipfile and zlib have a dozen ways to say that bytes are not what was written.
         raise ValueError(f"its {path.name} is damaged") from error

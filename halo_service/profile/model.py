@@ -56,8 +56,10 @@ class HeldState:
     pitch_deg: float = 45.0
     yaw_deg: float = 0.0
     """How the finger pointed."""
-    dent_mm: float = 0.0
-    """Median dent of the surface beside the fingertip; 0 when unknown."""
+    deep_mm: float = 0.0
+    """Median depth of the dent under the fingertip, corrected likewise; 0 when unknown."""
+    deep_raw_mm: float = 0.0
+    """The same before correction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +94,14 @@ class Correction:
     strength: Floats
     """(x, y, pitch, yaw) expected signal over that at the calibration's place and angle."""
     samples: Floats
-    """(N, 5) what the user swept: x and y in mm, pitch and yaw in degrees, raw signal in mm px."""
+    """(N, 6) what the user swept: x and y in mm, pitch and yaw in degrees, raw signal in mm px,
+    dent in mm; nan where the dent was hidden or, in an older profile, not kept."""
     base: str
     """Name of the base model it stands on; empty: the user's samples alone."""
+    dent: Floats | None = None
+    """(x, y) depth of a touch's dent over that at the calibration's place; None: not known."""
+    dent_by_pitch: Floats | None = None
+    """(pitch,) the same over that at the calibration's pitch."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,14 +2,19 @@
 
 The paper (4.3.4) predicts the expected touch signal from tip position, pitch and yaw with a
 gradient-boosted regressor. The calibration evaluates that regressor on a grid; here the grid is
-interpolated, and the signal divided by the strength expected where the finger is.
+interpolated, and the signal divided by the strength expected where the finger is. The dent has
+curves of its own: what hides the patch's sum hides nothing of it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from halo_service.profile import Correction
+from halo_service.profile.model import Floats
 from halo_service.values import Fingertip
 
 LEAST_STRENGTH, MOST_STRENGTH = 0.3, 3.0
@@ -26,19 +31,33 @@ def correct(raw: float, tip: Fingertip, correction: Correction | None) -> float:
 def strength(
     correction: Correction, x_mm: float, y_mm: float, pitch_deg: float, yaw_deg: float
 ) -> float:
-    """Return how strong a touch's halo is there, relative to the calibration's place and angle.
+    """Return how strong a touch's halo is there, relative to the calibration's place and angle."""
+    axes = (correction.x_mm, correction.y_mm, correction.pitch_deg, correction.yaw_deg)
+    read = _read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg))
+    return min(max(read, LEAST_STRENGTH), MOST_STRENGTH)
 
-    Linear between the grid's points; outside the grid its edge goes on.
-    """
-    values = correction.strength
-    for at, axis in zip(
-        (x_mm, y_mm, pitch_deg, yaw_deg),
-        (correction.x_mm, correction.y_mm, correction.pitch_deg, correction.yaw_deg),
-        strict=True,
-    ):
+
+def dent_strength(correction: Correction | None, x_mm: float, y_mm: float) -> float:
+    """Return how deep a touch's dent is there, relative to the calibration's place."""
+    if correction is None or correction.dent is None:
+        return 1.0
+    return _read(correction.dent, (correction.x_mm, correction.y_mm), (x_mm, y_mm))
+
+
+def dent_at_pitch(correction: Correction | None, pitch_deg: float) -> float:
+    """Return how deep a touch's dent is at a pitch, relative to the calibration's."""
+    if correction is None or correction.dent_by_pitch is None:
+        return 1.0
+    return _read(correction.dent_by_pitch, (correction.pitch_deg,), (pitch_deg,))
+
+
+def _read(values: Floats, axes: Sequence[Floats], at: Sequence[float]) -> float:
+    """Read a grid linearly between its points; outside of it its edge goes on."""
+    read: Any = values
+    for place, axis in zip(at, axes, strict=True):
         first, step = float(axis[0]), float(axis[1] - axis[0])
-        place = min(max((at - first) / step, 0.0), len(axis) - 1.0)
-        low = min(int(place), len(axis) - 2)
-        share = np.float32(place - low)
-        values = values[low] + share * (values[low + 1] - values[low])
-    return min(max(float(values), LEAST_STRENGTH), MOST_STRENGTH)
+        index = min(max((place - first) / step, 0.0), len(axis) - 1.0)
+        low = min(int(index), len(axis) - 2)
+        share = np.float32(index - low)
+        read = read[low] + share * (read[low + 1] - read[low])
+    return float(read)

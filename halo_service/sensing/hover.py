@@ -34,15 +34,15 @@ all: coarser, but the halo says nothing there."""
 def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     """Return the pad's height, mm, at least 0.
 
-    Read off the dent beside the finger, on a falling curve through the held states; above the
+    Read off the dent under the finger, on a falling curve through the held states; above the
     halo's reach off the finger's own depth. The two are blended, so that there is no seam.
     """
     own_mm = tip.top_mm - states.finger_thickness_mm
-    if math.isnan(signal.dent_mm) or states.hover.dent_mm <= 0.0:
+    if math.isnan(signal.dent_mm) or states.hover.deep_mm <= 0.0:
         return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
     dents, heights = curve(states)
     halo_mm = float(np.interp(signal.dent_mm, dents, heights))
-    share = min(max(signal.dent_mm / (FADED * states.hover.dent_mm), 0.0), 1.0)
+    share = min(max(signal.dent_mm / (FADED * states.hover.deep_mm), 0.0), 1.0)
     if share == 1.0 or math.isnan(own_mm):
         return halo_mm
     return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
@@ -52,13 +52,13 @@ def curve(states: TouchStates) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return dents, rising, mm, and the heights at which they are seen, mm."""
     hover, subtle, touch = states.hover, states.subtle, states.touch
     up_mm = max(ONSET_MM - hover.height_mm, 1.0)
-    way_mm, deeper_mm = hover.height_mm - subtle.height_mm, subtle.dent_mm - hover.dent_mm
+    way_mm, deeper_mm = hover.height_mm - subtle.height_mm, subtle.deep_mm - hover.deep_mm
     points = [(0.0, hover.height_mm + up_mm)]
-    points += [(d * hover.dent_mm, hover.height_mm + h * up_mm) for h, d in reversed(TAIL)]
-    points.append((hover.dent_mm, hover.height_mm))
+    points += [(d * hover.deep_mm, hover.height_mm + h * up_mm) for h, d in reversed(TAIL)]
+    points.append((hover.deep_mm, hover.height_mm))
     points += [
-        (hover.dent_mm + d * deeper_mm, subtle.height_mm + h * way_mm) for h, d in reversed(SHAPE)
+        (hover.deep_mm + d * deeper_mm, subtle.height_mm + h * way_mm) for h, d in reversed(SHAPE)
     ]
-    points += [(subtle.dent_mm, subtle.height_mm), (touch.dent_mm, touch.height_mm)]
+    points += [(subtle.deep_mm, subtle.height_mm), (touch.deep_mm, touch.height_mm)]
     dents, heights = zip(*points, strict=True)
     return tuple(accumulate(dents, max)), heights

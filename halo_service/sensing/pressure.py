@@ -21,12 +21,12 @@ TOUCH_G, PRESS_G = 25.0, 200.0
 def touch_pressure(signal: Signal, states: TouchStates) -> float:
     """Return 0.02 at a relaxed touch, 1 at the calibrated press, more beyond (paper 4.3.6).
 
-    Linear in the force, so more than linear in the halo. Read off the dent beside the finger: it
+    Linear in the force, so more than linear in the halo. Read off the dent under the finger: it
     goes on growing where the patch's sum is cut off at its edge and by the finger.
     """
     touch, press = states.touch, states.pressure
-    if math.isfinite(signal.dent_mm) and press.dent_mm > touch.dent_mm > 0.0:
-        read, relaxed, pressed = signal.dent_mm, touch.dent_mm, press.dent_mm
+    if math.isfinite(signal.pressed_mm) and press.deep_mm > touch.deep_mm > 0.0:
+        read, relaxed, pressed = signal.pressed_mm, touch.deep_mm, press.deep_mm
     else:
         read, relaxed, pressed = signal.corrected, touch.signal, press.signal
     touch_g, press_g = touch.force_g, press.force_g

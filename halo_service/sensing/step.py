@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from halo_service.profile import Correction, Profile
+from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, follow_drift
-from halo_service.sensing.correction import correct
+from halo_service.sensing.correction import correct, dent_at_pitch, dent_strength
 from halo_service.sensing.debounce import debounce
-from halo_service.sensing.dent import dent_beside
+from halo_service.sensing.dent import dent_under
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract
 from halo_service.sensing.fingers import (
@@ -87,7 +87,7 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     if found is None:
         return waiting(before, now_us, settings)
     tip = found.tip
-    signal = measure(found.own, tip, profile.correction)
+    signal = measure(found.own, tip, profile)
     level = touch_level(signal.corrected, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
@@ -106,10 +106,13 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     )
 
 
-def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:
+def measure(revealed: Revealed, tip: Fingertip, profile: Profile) -> Signal:
     """Read the halo around one fingertip."""
     raw = extract(revealed, tip)
-    return Signal(raw, correct(raw, tip, correction), dent_beside(revealed, tip))
+    known = profile.correction
+    dent_mm = dent_under(revealed, tip, profile) / dent_strength(known, *tip.pad_mm)
+    pressed_mm = dent_mm / dent_at_pitch(known, tip.pitch_deg)
+    return Signal(raw, correct(raw, tip, known), dent_mm, pressed_mm)
 
 
 def adopt(state: State, profile: Profile) -> State:

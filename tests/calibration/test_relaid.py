@@ -72,12 +72,12 @@ def test_held_states_keep_their_place_and_direction(placed: Profile, turned: Sur
 
 def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: Surface) -> None:
     from halo_calibration.correction import Reference, solve_correction
-    from halo_service.sensing.correction import strength
+    from halo_service.sensing.correction import dent_strength, strength
 
     rng = np.random.default_rng(1)
     x, y, yaw = rng.uniform(0, 300, 600), rng.uniform(0, 200, 600), rng.uniform(-20, 20, 600)
     signal = 2000.0 * (1.0 + 0.002 * (x - 150.0))
-    samples = np.column_stack([x, y, np.full(600, 45.0), yaw, signal])
+    samples = np.column_stack([x, y, np.full(600, 45.0), yaw, signal, signal / 100.0])
     at = Reference(0.0, 0.0, 45.0, 0.0)
     before = replace(placed, correction=solve_correction(placed.surface, None, samples, at))
     after = relaid(before, turned, None)
@@ -90,3 +90,7 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
             after.correction, *new_held, 45.0, -TURN_DEG
         )
         assert new == pytest.approx(old, rel=0.08)
+        old_deep = dent_strength(before.correction, *place)
+        new_deep = dent_strength(after.correction, *there)
+        held_deep = dent_strength(after.correction, *new_held)
+        assert new_deep / held_deep == pytest.approx(old_deep, rel=0.02)

@@ -92,7 +92,7 @@ def test_outside_its_grid_a_correction_goes_on_from_the_edge(correction: Correct
 def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
     pitches = [sweep(pitch_deg=p).seen for p in (15.0, 30.0, 45.0, 60.0, 75.0)]
     rows = [
-        (o.x_mm - 150, o.y_mm - 100, o.pitch_deg, o.yaw_deg, o.raw / 2000)
+        (o.x_mm - 150, o.y_mm - 100, o.pitch_deg, o.yaw_deg, o.raw / 2000, np.nan)
         for seen in pitches
         for o in seen
     ]

@@ -28,7 +28,7 @@ def test_states_are_medians_with_what_was_stated(hold: Hold) -> None:
     # Off the hover state, 12 mm up: nearer to the surface the halo lifts what the camera reads.
     assert states.finger_thickness_mm == 14.0
     assert states.tip_radius_mm == 6.5
-    assert [getattr(states, name).dent_mm for name in STATES] == [1.5, 7.5, 11.0, 14.0]
+    assert [getattr(states, name).deep_mm for name in STATES] == [1.5, 7.5, 11.0, 14.0]
     assert quality == "good"
     assert apart > 6.0
 

@@ -13,7 +13,7 @@ from halo_service.errors import UserError
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
-from halo_service.profile import Background, HeldState, Profile, TouchStates
+from halo_service.profile import Background, Correction, HeldState, Profile, TouchStates
 from halo_service.profile.store import load, profile_path, require_fit, save
 from halo_service.virtual.camera import factory
 
@@ -224,3 +224,50 @@ def test_the_text_can_be_read_by_a_person(profile: Profile, tmp_path: Path) -> N
     data = json.loads((tmp_path / "profile.json").read_text())
     assert data["touch"] == asdict(profile)["touch"]
     assert data["camera"]["serial"] == "A1"
+
+
+def swept(profile: Profile) -> Profile:
+    """With a correction that knows the dent."""
+    rng = np.random.default_rng(2)
+    x, y, pitch, yaw = (np.arange(n, dtype=np.float32) for n in (4, 3, 2, 5))
+    return replace(
+        profile,
+        correction=Correction(
+            x, y, pitch, yaw,
+            strength=rng.uniform(size=(4, 3, 2, 5)).astype(np.float32),
+            samples=rng.uniform(size=(7, 6)).astype(np.float32),
+            base="pilots",
+            dent=rng.uniform(size=(4, 3)).astype(np.float32),
+            dent_by_pitch=rng.uniform(size=2).astype(np.float32),
+        ),
+    )  # fmt: skip
+
+
+def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path) -> None:
+    kept = swept(profile)
+    save(kept, tmp_path)
+    told = load(tmp_path).correction
+    for name in ("x_mm", "yaw_deg", "strength", "samples", "dent", "dent_by_pitch"):
+        np.testing.assert_array_equal(getattr(told, name), getattr(kept.correction, name))
+
+
+def test_a_profile_from_before_dents_is_read_and_knows_none(
+    profile: Profile, tmp_path: Path
+) -> None:
+    known = swept(profile).correction
+    assert known is not None
+    old = replace(known, samples=known.samples[:, :5], dent=None, dent_by_pitch=None)
+    save(replace(profile, correction=old), tmp_path)
+    file = tmp_path / "profile.json"
+    text = json.loads(file.read_text(encoding="utf-8"))
+    for state in ("hover", "subtle", "touch", "pressure"):
+        held = text["touch"][state]
+        del held["deep_mm"], held["deep_raw_mm"]
+        held["dent_mm"] = 9.0
+    file.write_text(json.dumps(text), encoding="utf-8")
+    told = load(tmp_path)
+    assert told.touch is not None and told.correction is not None
+    assert told.touch == profile.touch
+    assert (told.correction.dent, told.correction.dent_by_pitch) == (None, None)
+    np.testing.assert_array_equal(told.correction.samples[:, :5], old.samples)
+    assert np.isnan(told.correction.samples[:, 5]).all()

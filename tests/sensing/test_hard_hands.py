@@ -27,7 +27,7 @@ def dented(profile: Profile) -> Profile:
     assert profile.touch is not None
     depths = {"hover": HOVERS, "subtle": LIFTED, "touch": TOUCHES, "pressure": 16}
     states = {
-        name: replace(getattr(profile.touch, name), signal=depth * PER_DENT_MM, dent_mm=depth)
+        name: replace(getattr(profile.touch, name), signal=depth * PER_DENT_MM)
         for name, depth in depths.items()
     }
     return replace(profile, touch=replace(profile.touch, **states))

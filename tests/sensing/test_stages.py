@@ -11,7 +11,6 @@ import pytest
 from halo_service.profile import Background, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
-from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
@@ -39,7 +38,7 @@ def dented(profile: Profile) -> TouchStates:
     assert profile.touch is not None
     dents = {"hover": 5.0, "subtle": 10.0, "touch": 11.0, "pressure": 15.0}
     states = profile.touch
-    held = {name: replace(getattr(states, name), dent_mm=dent) for name, dent in dents.items()}
+    held = {name: replace(getattr(states, name), deep_mm=dent) for name, dent in dents.items()}
     return replace(states, **held)
 
 
@@ -220,7 +219,7 @@ def test_an_up_that_was_doubted_tells_when_it_really_was() -> None:
 )
 def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: float) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(Signal(0.0, 0.0, dent_mm), tip, dented) == pytest.approx(height_mm)
+    assert hover_height(Signal(0.0, 0.0, dent_mm, NAN), tip, dented) == pytest.approx(height_mm)
 
 
 def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
@@ -231,7 +230,7 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
     own = [35.0 + 3.0 - n for n in range(10)] + [24.0] * 551
     tips = [tip_at(320, 288, 14.0 + mm) for mm in own]
     heights = [
-        hover_height(Signal(0.0, 0.0, d), t, dented) for d, t in zip(dents, tips, strict=True)
+        hover_height(Signal(0.0, 0.0, d, NAN), t, dented) for d, t in zip(dents, tips, strict=True)
     ]
     falls = -np.diff(heights)
     assert np.all(falls >= -1e-9)
@@ -241,7 +240,9 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
 
 def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:
     assert profile.touch is not None
-    assert hover_height(Signal(900.0, 900.0, 7.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
+    assert (
+        hover_height(Signal(900.0, 900.0, 7.0, 7.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
+    )
 
 
 @pytest.mark.parametrize(
@@ -259,34 +260,16 @@ def test_pressure_and_force(
     profile: Profile, dented: TouchStates, signal: float, pressure: float, grams: float
 ) -> None:
     assert profile.touch is not None
-    by_sum = touch_pressure(Signal(signal, signal, NAN), dented)
-    by_dent = touch_pressure(Signal(0.0, 0.0, 11.0 + (signal - 2000.0) / 250.0), dented)
+    by_sum = touch_pressure(Signal(signal, signal, NAN, NAN), dented)
+    by_dent = touch_pressure(Signal(0.0, 0.0, NAN, 11.0 + (signal - 2000.0) / 250.0), dented)
     assert (by_sum, by_dent) == pytest.approx((pressure, pressure), abs=0.001)
-    assert touch_pressure(Signal(signal, signal, 3.0), profile.touch) == by_sum
+    assert touch_pressure(Signal(signal, signal, 3.0, 3.0), profile.touch) == by_sum
     assert force(by_sum, profile.touch) == pytest.approx(grams, abs=0.1)
 
 
 def test_pressure_grows_with_the_halo(dented: TouchStates) -> None:
-    pressures = [touch_pressure(Signal(0.0, 0.0, 11.2 + 0.1 * n), dented) for n in range(80)]
+    pressures = [touch_pressure(Signal(0.0, 0.0, NAN, 11.2 + 0.1 * n), dented) for n in range(80)]
     assert np.all(np.diff(pressures) > 0.0)
-
-
-@pytest.mark.parametrize("around", [0.0, 12.0, -60.0])
-def test_the_dent_is_read_beside_the_finger_and_nowhere_else(around: float) -> None:
-    rows, columns = np.mgrid[:576, :640]
-    away = np.hypot(rows - 295.0, columns - 320.0)  # the middle of a round tip that ends at 288
-    excess = np.full((576, 640), around, np.float32)
-    excess[away < 15.0] = 6.0
-    excess[away < 8.5] = -14.0
-    excess[rows > 296] = -30.0
-    tip = replace(tip_at(320, 288), distal_px=(320.0, 313.0))
-    assert dent_beside(reveal(excess, SETTINGS, 8.0), tip) == pytest.approx(6.0)
-
-
-@pytest.mark.parametrize(("x", "y"), [(320.0, 288.0), (-90.0, 288.0), (320.0, 900.0)])
-def test_a_hidden_dent_is_not_guessed(x: float, y: float) -> None:
-    hidden = reveal(np.full((576, 640), -40.0, np.float32), SETTINGS, 8.0)
-    assert math.isnan(dent_beside(hidden, tip_at(x, y)))
 
 
 def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() -> None:

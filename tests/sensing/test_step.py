@@ -42,13 +42,13 @@ def kinds(told: Sequence[TouchFrame]) -> list[tuple[int, str]]:
 
 @pytest.fixture
 def deep(profile: Profile) -> Profile:
-    """The four states as dents of 9, 10, 12 and 16 mm, which can be drawn."""
+    """The four states as patches 9, 10, 12 and 16 mm deep, which can be drawn; no round dents."""
     from dataclasses import replace
 
     assert profile.touch is not None
     levels = {"hover": 9, "subtle": 10, "touch": 12, "pressure": 16}
     states = {
-        name: replace(getattr(profile.touch, name), signal=dents(deep)[0], dent_mm=float(deep))
+        name: replace(getattr(profile.touch, name), signal=dents(deep)[0])
         for name, deep in levels.items()
     }
     return replace(profile, touch=replace(profile.touch, **states))

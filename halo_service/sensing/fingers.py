@@ -1,4 +1,4 @@
-"""What is remembered of a finger from frame to frame, and which sighting is which finger.
+"""What is remembered of a finger from frame to frame, and where it should therefore be.
 
 The tracker says that there is a finger, which one, and about where. From then on the depth says
 where it is: the tracker loses a hand in every tenth frame, sees one twice, or mistakes a left one
@@ -8,43 +8,25 @@ for a right one, and none of that may cost a finger its place, its id or its tou
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 
 from halo_service.sensing.debounce import Debounce
 from halo_service.sensing.detector import Detector
 from halo_service.sensing.pointers import Motion
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.sightings import Pixel, Sighting
-from halo_service.sensing.territory import FINGER_PX, Expected
+from halo_service.sensing.territory import Expected
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
-SLOTS = 10
-"""Two hands' fingers."""
-SAME_FINGER_PX, OTHER_SIDE_PX = 80.0, 30.0
-"""A sighting farther than this from a finger's tip is another finger (8 cm at 0.5 m); less where
-the tracker calls it another hand's: hands flip in place."""
-ON_FINGER_PX = 10.0
-"""A stranger's tip this near to a finger's line is that finger again (chosen: half a finger)."""
-STRAYED_PX = 30.0
-"""The tracker's tips are 4 px off at the median and 28 at their worst: within that the depth's
-word counts (measured on virtual hands at 0.5 m)."""
-TURN_SHARE = 0.3
-"""Of a new direction in the smoothed one (chosen: two landmarks 20 px apart tell it badly)."""
 LOWER_MM = 8.0
 """Of two places that a finger may be at, the fingertip hangs lower than a knuckle (chosen: half a
 finger's thickness)."""
-MOST_VOTES = 8
-"""A quarter of a second of the tracker's opinions on left and right."""
 REMEMBERED = 8
 """Tips kept a finger: the slowest tracker's lag at 30 frames a second."""
 CLAIM_US = 150_000
 """So old may a sighting be that says where a finger is (chosen: a slow tracker's lag)."""
 INSISTS = 4
 """Sightings in a row: the tracker errs singly and, on hands that overlap, in runs (chosen)."""
-REPLACED_US = 200_000
-"""The tracker errs in single frames and in runs of a few (chosen: six frames)."""
 MOVED_PX = 5.0
 """A tip that went so far has moved (chosen: more than its noise, less than a hand at rest drifts
 in a second or two)."""
@@ -174,109 +156,6 @@ def waiting(finger: Memory, time_us: int, settings: SensingSettings) -> Memory |
     return replace(finger, pointer=replace(pointer, vx_mm_s=0.0, vy_mm_s=0.0, confidence=unsure))
 
 
-def meet(live: tuple[Memory, ...], seen: tuple[Sighting, ...], next_id: int) -> tuple[Memory, ...]:
-    """Give the live fingers their new sightings, nearest first, and take up the newcomers."""
-    distances = sorted(
-        (distance, i, j)
-        for i, finger in enumerate(live)
-        for j, sighting in enumerate(seen)
-        if finger.sighting.finger is sighting.finger
-        and (distance := _distance(finger, sighting)) < _reach(finger, sighting)
-    )
-    paired: dict[int, int] = {}
-    for _, i, j in distances:
-        if i not in paired and j not in paired.values():
-            paired[i] = j
-    others = [sighting for j, sighting in enumerate(seen) if j not in paired.values()]
-    known = tuple(
-        _sighted(finger, seen[paired[i]]) if i in paired else finger
-        for i, finger in enumerate(live)
-        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, live))
-    )
-    strangers = [
-        each for each in others if not any(_is_on(finger, each.tip_px) for finger in known)
-    ]
-    taken = {finger.slot for finger in known}
-    slots = (slot for slot in range(SLOTS) if slot not in taken)
-    newcomers = zip(count(next_id), slots, strangers, strict=False)
-    return known + tuple(_born(*newcomer) for newcomer in newcomers)
-
-
-def _born(id: int, slot: int, sighting: Sighting) -> Memory:  # noqa: A002 - the wire's name
-    direction = unit(sighting.distal_px, sighting.tip_px)
-    return Memory(id, slot, sighting, direction, _vote(sighting.side), sighting.time_us)
-
-
-def _sighted(finger: Memory, sighting: Sighting) -> Memory:
-    """Return a finger with the tracker's new word on it; a word said before counts once."""
-    if sighting.time_us <= finger.sighting.time_us:
-        return finger
-    votes = min(max(finger.votes + _vote(sighting.side), -MOST_VOTES), MOST_VOTES)
-    direction, astray = finger.direction, finger.astray + 1
-    if not _strayed(finger, sighting):
-        new = unit(sighting.distal_px, sighting.tip_px)
-        dx, dy = TURN_SHARE * (new[0] - direction[0]), TURN_SHARE * (new[1] - direction[1])
-        direction, astray = unit((0.0, 0.0), _moved(direction, (dx, dy))), 0
-    return replace(finger, sighting=sighting, votes=votes, direction=direction, astray=astray)
-
-
-def _strayed(finger: Memory, sighting: Sighting) -> bool:
-    return _distance(finger, sighting) > STRAYED_PX
-
-
-def _vote(side: Side) -> int:
-    return (side is Side.RIGHT) - (side is Side.LEFT)
-
-
-def _reach(finger: Memory, sighting: Sighting) -> float:
-    return SAME_FINGER_PX if sighting.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_PX
-
-
-def _is_replaced(finger: Memory, others: Sequence[Sighting], seen: bool) -> bool:
-    """Say whether the tracker has long seen this very finger elsewhere: a hand has but one."""
-    return (
-        not seen
-        and not finger.debounce.contact.touching
-        and any(
-            other.finger is finger.sighting.finger
-            and other.side is finger.side
-            and other.time_us - finger.sighting.time_us > REPLACED_US
-            for other in others
-        )
-    )
-
-
-def _is_double(finger: Memory, live: Sequence[Memory]) -> bool:
-    """Say whether a hovering finger lies on another that the tracker confirms better."""
-    if finger.debounce.contact.touching or not finger.path:
-        return False
-    mine = (-finger.astray, finger.sighting.time_us, -finger.id)
-    return any(
-        (-other.astray, other.sighting.time_us, -other.id) > mine
-        and _is_on(other, finger.path[-1].tip_px)
-        for other in live
-        if other is not finger and other.path
-    )
-
-
-def _is_on(finger: Memory, place: Pixel) -> bool:
-    """Say whether a tip lies on a finger that is there already."""
-    tip = finger.path[-1].tip_px if finger.path else finger.sighting.tip_px
-    ux, uy = finger.direction
-    dx, dy = tip[0] - place[0], tip[1] - place[1]
-    back = min(max(dx * ux + dy * uy, 0.0), FINGER_PX)
-    return math.dist((dx, dy), (back * ux, back * uy)) < ON_FINGER_PX
-
-
-def _distance(finger: Memory, sighting: Sighting) -> float:
-    tip = _at(finger.path, sighting.time_us).tip_px if finger.path else finger.sighting.tip_px
-    return math.dist(tip, sighting.tip_px)
-
-
-def _at(path: tuple[Past, ...], time_us: int) -> Past:
-    return min(path, key=lambda past: abs(past.time_us - time_us))
-
-
 def _ahead(path: tuple[Past, ...], time_us: int) -> Pixel:
     """Return how far a tip goes on from its last place at its last speed, px."""
     last, before = path[-1], path[max(len(path) - 2, 0)]
@@ -290,6 +169,7 @@ def _moved(place: Pixel, by: Pixel) -> Pixel:
 
 
 def unit(start: Pixel, end: Pixel) -> Pixel:
+    """Return the unit vector from one place to another; up the image where they are one."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.hypot(dx, dy)
     return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)

@@ -24,9 +24,9 @@ from halo_service.sensing.fingers import (
     changes,
     doubt,
     is_left_behind,
-    meet,
     waiting,
 )
+from halo_service.sensing.meeting import meet
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.scene import Scene, find, look

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from halo_service.sensing.fingers import Memory, Past, claim, expect, meet
+from halo_service.sensing.fingers import Memory, Past, claim, expect
+from halo_service.sensing.meeting import meet
 from halo_service.sensing.sightings import Sighting
 from halo_service.values import Finger, Side
 

@@ -29,6 +29,8 @@ LEAST_PX = 0.35
 """A disc is no smaller: a thinner line would vanish between the pixels."""
 HALF = 64
 """Steps of the strands' table to either side of the middle."""
+SHARP = 0.5
+"""How much of a disc must show until all of it is drawn, strands and all."""
 SOFT = 0.5
 """Width over which a strand's ink becomes its neighbour's, over a strand's: an edge, no step."""
 
@@ -46,14 +48,20 @@ class _Disc:
 
 def sweep(layer: Layer, placing: Placing, stroke: Stroke, drawn: int = 0) -> Box | None:
     """Draw a stroke's pieces from one on into its layer; returns where."""
-    last = len(stroke.pieces) - 1
-    return _around(
-        _sweep(layer, placing, stroke.pieces[n], n == 0, n == last and stroke.done)
-        for n in range(drawn, last + 1)
-    )
+    pieces = stroke.pieces
+    opened = _opening(pieces[drawn - 1], -2, -1) if drawn else math.inf
+    boxes = []
+    for n in range(drawn, len(pieces)):
+        ends_here = stroke.done and n == len(pieces) - 1
+        boxes.append(_sweep(layer, placing, pieces[n], opened, ends_here))
+        opened = _opening(pieces[n], -2, -1)
+    return _around(boxes)
 
 
-def _sweep(layer: Layer, placing: Placing, piece: Piece, first: bool, last: bool) -> Box | None:
+def _sweep(
+    layer: Layer, placing: Placing, piece: Piece, opened: float, ends_here: bool
+) -> Box | None:
+    """`opened`: of the disc where the piece begins, see `_opening`."""
     x, y = np.array([placing.pixel(*at) for at in zip(piece.x, piece.y, strict=True)]).T
     scale = placing.scale(float(piece.x[-1]), float(piece.y[-1]))
     radius = np.maximum(piece.radius * scale, LEAST_PX)
@@ -61,15 +69,23 @@ def _sweep(layer: Layer, placing: Placing, piece: Piece, first: bool, last: bool
     boxes = []
     for begin, end in pairwise(stops):
         here, there = (_Disc(x[n], y[n], radius[n], piece.ink[n]) for n in (begin, end))
-        turn = abs(math.remainder(piece.direction[end] - piece.direction[begin], 2 * math.pi))
-        # As far as the outer edge opens where the stroke turns.
-        joint = 1.0 + turn * max(radius[begin], radius[end])
-        beyond = (
-            math.inf if first and begin == 0 else joint,
-            math.inf if last and end == stops[-1] else joint,
-        )
-        boxes.append(_stretch(layer, here, there, float(piece.direction[end]), beyond))
+        opening = _opening(piece, begin, end)
+        direction = float(piece.direction[end])
+        if max(opened, opening) > SHARP:
+            boxes.append(_stretch(layer, here, here, direction, math.inf))
+        boxes.append(_stretch(layer, here, there, direction, 1.0 + opening * there.radius))
+        opened = opening
+    if ends_here:
+        boxes.append(_stretch(layer, there, there, direction, math.inf))
     return _around(boxes)
+
+
+def _opening(piece: Piece, begin: int, end: int) -> float:
+    """How much of a disc shows between two stretches, 0 to 1: where a stroke turns or narrows."""
+    turn = abs(math.remainder(piece.direction[end] - piece.direction[begin], 2 * math.pi))
+    way = math.hypot(piece.x[end] - piece.x[begin], piece.y[end] - piece.y[begin])
+    narrowing = abs(piece.radius[end] - piece.radius[begin]) / max(way, 1e-6)
+    return min(1.0, turn + float(narrowing))
 
 
 def _stops(x: Array, y: Array, radius: Array) -> list[int]:
@@ -84,12 +100,12 @@ def _stops(x: Array, y: Array, radius: Array) -> list[int]:
 
 
 def _stretch(
-    layer: Layer, begin: _Disc, end: _Disc, direction: float, beyond: tuple[float, float]
+    layer: Layer, begin: _Disc, end: _Disc, direction: float, beyond_px: float
 ) -> Box | None:
     """A disc drawn from one place to the next, its radius and ink changing on the way.
 
-    `direction` is the stroke's where the disc stands still. Strands reach at most so many px
-    `beyond` the one end and the other: a wet stretch would fill the dry one beside it.
+    `direction` is the stroke's where the disc stands still. Strands reach at most so far
+    beyond the two places: a wet stretch would fill the dry one beside it.
     """
     box = _reached(layer, begin, end)
     if box is None:
@@ -106,8 +122,8 @@ def _stretch(
     if len(end.ink) == 1:
         opacity *= np.float32(end.ink[0])
     else:
-        spare = np.where(along < 0.5, np.float32(beyond[0]), np.float32(beyond[1]))
-        opacity *= np.clip(np.sqrt(way) * np.minimum(along, 1 - along) + spare, 0, 1)
+        within_px = np.sqrt(way) * np.minimum(along, 1 - along)
+        opacity *= np.clip(within_px + np.float32(beyond_px), 0, 1)
         if way > 1e-3:  # In pixels a homography may have turned it.
             direction = float(np.arctan2(dy, dx))
         aside = np.float32(np.cos(direction)) * y - np.float32(np.sin(direction)) * x

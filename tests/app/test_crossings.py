@@ -81,6 +81,9 @@ def test_lines_and_dots_are_drawn_where_the_homography_puts_them(homography) -> 
     for place in grid.places:
         x, y = pixel(homography, place)
         assert empty[int(y), int(x)].max() > 40
+    for corner in ((0.0, 0.0), (300.0, 0.0), (300.0, 200.0), (0.0, 200.0)):  # the surface's own
+        x, y = pixel(homography, corner)
+        assert empty[int(y) - 1 : int(y) + 2, int(x) - 1 : int(x) + 2].max() > 40
     finger = Finger(133.0, 88.0, True)
     dotted = grid.picture([finger])
     rows, columns = np.nonzero((dotted != empty).any(axis=2))

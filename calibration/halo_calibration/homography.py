@@ -45,6 +45,8 @@ class Solved:
     """(N,) of each point that was seen, outliers too."""
     off_mm: Points
     """Likewise, on the surface."""
+    names: tuple[str, ...]
+    """Whose they are."""
     outliers: tuple[str, ...]
     """Names of the points that took no part."""
     covered: float
@@ -85,6 +87,7 @@ def solve(known: Known, size: tuple[int, int], surface: Surface, outlier_px: flo
         error_mm=float(np.sqrt(np.sum(off_mm[used] ** 2) / free)),
         off_px=off_px,
         off_mm=off_mm,
+        names=tuple(known.names),
         outliers=_left_out(known, used),
         covered=_covered(matrix, known, here[used], surface),
     )

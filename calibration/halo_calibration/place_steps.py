@@ -5,6 +5,7 @@ Rule: as `steps`: what was seen becomes a change of the profile; no prompts, no 
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -39,6 +40,10 @@ GOOD_ANCHOR_MM = 0.7
 """Likewise for an anchor."""
 MOST_NAMED = 6
 """Points that are named one by one."""
+MOST_LOGGED = 100
+"""Points whose error is logged, the worst first: stripes have thousands."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,6 +182,9 @@ def _laid_change(setup: Setup, laid: Laid, figures: dict[str, float], good_mm: f
 
 
 def _projector_change(setup: Setup, solved: Solved, good: bool) -> Change:
+    for point in np.argsort(-solved.off_mm, kind="stable")[:MOST_LOGGED]:
+        name, off_px, off_mm = solved.names[point], solved.off_px[point], solved.off_mm[point]
+        _log.debug("%s: off by %.2f px, %.2f mm", name, off_px, off_mm)
     left_out = ", ".join(solved.outliers[:MOST_NAMED])
     more = len(solved.outliers) - MOST_NAMED
     record = StepRecord(

@@ -16,6 +16,7 @@ from halo_calibration.errors import Refused
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.plane import Plane, solve_plane, surface_from_view
 from halo_calibration.relaid import relaid
+from halo_calibration.surface_solver import check_size
 from halo_calibration.sweep import (
     GOOD_COVERED,
     Samples,
@@ -98,7 +99,9 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
 
 
 def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200.0) -> Change:
-    """Lay the surface's frame anew, from the background that the profile has."""
+    """Lay the surface's frame anew, from the background that the profile has. Raises `Refused`
+    for a size that no surface has."""
+    check_size(width_mm, height_mm)
 
     def change(before: Profile | None) -> Profile:
         known = require(before, "surface")

@@ -24,7 +24,13 @@ REACH_MM = 20.0
 """A touch farther from every crossing than this was meant for none; less than half a step."""
 SHIFT = 4
 """Bits after the point in what OpenCV draws, so that lines lie where they are said to lie."""
-GRID, DOT, NEXT, TEXT = (90, 90, 90), (80, 220, 80), (60, 200, 255), (230, 230, 230)
+EDGE, GRID, DOT, NEXT, TEXT = (
+    (90, 60, 30),
+    (90, 90, 90),
+    (80, 220, 80),
+    (60, 200, 255),
+    (230, 230, 230),
+)
 """Blue, green, red. Dim lines: projected light lies on the finger too."""
 
 
@@ -71,6 +77,7 @@ class Grid:
         """`picture_from_surface`: (3, 3) homography, mm -> px of a picture of `size_px`; crossings
         that do not lie in it are left out."""
         self._matrix, self._size_px = picture_from_surface, size_px
+        self._corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * (width_mm, height_mm)
         self._xs, self._ys = _spread(width_mm), _spread(height_mm)
         x, y = np.meshgrid(self._xs, self._ys)
         every = np.column_stack([x.ravel(), y.ravel()])
@@ -127,9 +134,12 @@ class Grid:
         return float(x), float(y)
 
     def picture(self, fingers: Sequence[Finger]) -> Picture:
-        """Draw the grid, a dot under each finger and what has landed; (height, width, 3) BGR."""
+        """Draw the surface's edge, the grid, a dot under each finger and what has landed; (height,
+        width, 3) BGR."""
         picture_from_surface = self._matrix
         canvas = np.zeros((self._size_px[1], self._size_px[0], 3), np.uint8)
+        outline = np.array([_fine(px) for px in _pixels(picture_from_surface, self._corners)])
+        cv2.polylines(canvas, [outline], True, EDGE, 2, cv2.LINE_AA, SHIFT)
         for start, end in self._lines():
             a, b = _pixels(picture_from_surface, np.array([start, end]))
             cv2.line(canvas, _fine(a), _fine(b), GRID, 2, cv2.LINE_AA, SHIFT)

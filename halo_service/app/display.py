@@ -93,11 +93,11 @@ class Display:
 
 def _run(pipe: Connection, number: int, full_screen: bool) -> None:
     """The other side: a window that shows what comes through the pipe, until the pipe ends."""
+    from halo_window import Stage, StageError  # before pygame, whose greeting it silences
+
     # A whole process group is told to stop; ending this one is its parent's affair.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     import pygame
-
-    from halo_window import Stage, StageError
 
     try:
         stage = Stage("halo", full_screen, number)

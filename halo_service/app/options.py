@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import halo_protocol as wire
-from halo_service.app import evaluate_options, verbs
+from halo_service.app import calibrate_options, evaluate_options, verbs
 
 EPILOG = """\
 examples:
@@ -53,11 +53,12 @@ def parser() -> argparse.ArgumentParser:
         commands.add_parser("simulate", parents=[debug], help="draw a take of the virtual Kinect")
     )
     _record_options(commands.add_parser("record", parents=[configured], help="record any source"))
-    calibration = commands.add_parser(
-        "calibrate", parents=[common], help="teach the service a place and a finger"
+    calibrate_options.add_calibrate(
+        commands.add_parser(
+            "calibrate", parents=[common], help="teach the service a place and a finger"
+        )
     )
-    _calibrate_options(calibration)
-    _verify_options(
+    calibrate_options.add_verify(
         commands.add_parser(
             "verify", parents=[common], help="touch a projected grid, and see how far off it is"
         )
@@ -68,11 +69,11 @@ def parser() -> argparse.ArgumentParser:
     _profile_options(
         commands.add_parser("profile", help="list, show, copy, export, import profiles")
     )
-    targets = commands.add_parser(
-        "targets", parents=[debug], help="write the sheets to print: surface and anchor, as PDF"
+    calibrate_options.add_targets(
+        commands.add_parser(
+            "targets", parents=[debug], help="write the sheets to print: surface and anchor, as PDF"
+        )
     )
-    targets.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is missing")
-    targets.set_defaults(run=verbs.targets)
     _bench_options(
         commands.add_parser("bench", parents=[common], help="how soon touches leave this machine")
     )
@@ -144,29 +145,6 @@ def _record_options(verb: argparse.ArgumentParser) -> None:
     verb.set_defaults(run=verbs.record)
 
 
-def _calibrate_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument(
-        "step",
-        nargs="?",
-        choices=("background", "surface", "touch", "sweep", "projector", "anchor", "pilot"),
-        metavar="STEP",
-        help="background, surface, touch, sweep; projector, anchor, pilot; without one all of the "
-        "first four that are missing",
-    )
-    verb.add_argument("--source", metavar="S", help="as for serve")
-    verb.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")
-    verb.add_argument("--hover-mm", type=float, metavar="MM", help="height of the hover spacer")
-    verb.add_argument("--subtle-mm", type=float, metavar="MM", help="height of the subtle spacer")
-    verb.add_argument("--touch-g", type=float, metavar="G", help="force of the relaxed touch")
-    verb.add_argument("--press-g", type=float, metavar="G", help="what the kitchen scale shows")
-    verb.add_argument("--hand", choices=("left", "right"), help="touch parameters for this hand")
-    verb.add_argument("--base", default="auto", metavar="B", help="base model: FILE, none or auto")
-    verb.add_argument("--rounds", type=int, default=3, metavar="N", help="of the pilot")
-    verb.add_argument("--round-s", type=float, default=60.0, metavar="S", help="of the pilot")
-    _place_options(verb)
-    verb.set_defaults(run=verbs.calibrate)
-
-
 def _bench_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--hands", type=int, choices=(1, 2), help="look for so many (default: both by turns)"
@@ -177,46 +155,6 @@ def _bench_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--source", metavar="S", help="recording:FILE or sim[:SCENARIO]")
     verb.add_argument("--json", metavar="FILE", help="write all figures; - for stdout")
     verb.set_defaults(run=verbs.bench)
-
-
-def _place_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument(
-        "--by", metavar="WAY", help="surface: view, markers, touch; projector: markers, gray, touch"
-    )
-    verb.add_argument("--width-mm", type=float, default=300.0, metavar="MM", help="of the surface")
-    verb.add_argument("--height-mm", type=float, default=200.0, metavar="MM", help="of the surface")
-    _screen_options(verb)
-    verb.add_argument(
-        "--picture", type=Path, metavar="PNG", help="write the projector's picture instead"
-    )
-    verb.add_argument("--size-px", metavar="WxH", help="of that picture (default: 1920x1080)")
-    verb.add_argument("--marker", type=int, metavar="ID", help="the anchor's (default: 0)")
-    verb.add_argument("--size-mm", type=float, metavar="MM", help="side of its black square")
-    verb.add_argument("--family", metavar="F", help="apriltag-36h11 (default) or aruco-4x4")
-
-
-def _screen_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument(
-        "--display", type=int, default=0, metavar="N", help="which is the projector, from 0"
-    )
-    verb.add_argument("--window", action="store_true", help="a window instead of a whole display")
-
-
-def _verify_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument("--source", metavar="S", help="as for serve")
-    verb.add_argument(
-        "--from",
-        dest="service",
-        nargs="?",
-        const="osc://127.0.0.1:9000",
-        metavar="URL",
-        help="the fingers of a running service (default: osc://127.0.0.1:9000), not a source's",
-    )
-    _screen_options(verb)
-    verb.add_argument(
-        "--within-mm", type=float, default=5.0, metavar="MM", help="what 95 %% must keep to pass"
-    )
-    verb.set_defaults(run=verbs.verify)
 
 
 def _profile_options(verb: argparse.ArgumentParser) -> None:

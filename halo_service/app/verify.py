@@ -8,26 +8,20 @@ counted is the same.
 from __future__ import annotations
 
 import signal
-import sys
-import time
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Callable
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field, replace
 from types import FrameType
 
-import numpy as np
-from numpy.typing import NDArray
-
-import halo_client
-import halo_protocol as wire
 from halo_calibration.guided import Cue
 from halo_calibration.guided_projector import Screen
 from halo_service.app.config import Settings
-from halo_service.app.crossings import Finger, Grid, Landing
-from halo_service.app.display import Display
+from halo_service.app.crossings import Finger, Grid
 from halo_service.app.eyes import Eyes
 from halo_service.app.screens import ScreenWish, screen_for
 from halo_service.app.sources import decide, open_source
+from halo_service.app.verification import Verification, grid_over, summed_up
+from halo_service.app.verify_heard import heard
 from halo_service.app.virtual_user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
@@ -44,8 +38,6 @@ from halo_service.values import Touch, TouchFrame
 WITHIN_MM = 5.0
 """Nearly all touches (95 %) lie so near to their crossing, or the exit code is 1: the paper's
 touches err by 5.5 mm on average (6.2)."""
-WAIT_S = 10.0
-"""For a running service to tell where the projector's pixels are; it does so twice a second."""
 VIRTUAL_PATIENCE_S = 12.0
 """A crossing that the virtual user touches for so long without being felt is given up."""
 
@@ -60,46 +52,16 @@ class VerifyWish:
     within_mm: float = WITHIN_MM
 
 
-class Verification:
-    """One grid, until all of its crossings have been touched."""
-
-    def __init__(self, grid: Grid, screen: Screen) -> None:
-        self.grid = grid
-        self._screen = screen
-        self._screen.show(grid.picture([]))
-
-    def take(self, fingers: Sequence[Finger], downs: Sequence[tuple[float, float]]) -> None:
-        """Draw one frame, and count the touches that began in it; mm on the surface."""
-        for x_mm, y_mm in downs:
-            landing = self.grid.land(x_mm, y_mm)
-            print(self._told(x_mm, y_mm, landing), file=sys.stderr)
-        self._screen.show(self.grid.picture(fingers))
-
-    @property
-    def done(self) -> bool:
-        """Whether there is nothing left to touch, or the user has closed the display."""
-        closed = isinstance(self._screen, Display) and not self._screen.open
-        return closed or self.grid.next is None
-
-    def _told(self, x_mm: float, y_mm: float, landing: Landing | None) -> str:
-        if landing is None:
-            return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is near no crossing"
-        return (
-            f"{self.grid.name(landing.crossing)}: {landing.off_mm:.1f} mm off "
-            f"({landing.dx_mm:+.1f} right, {landing.dy_mm:+.1f} near)"
-        )
-
-
 def verify(settings: Settings, wish: VerifyWish) -> int:
     """Verify until all crossings are touched, the display is closed or Ctrl-C; return the exit
     code: 0 where all were touched and 95 % of the touches lie within the bound."""
     if wish.service is not None:
-        grid = _heard(wish)
+        grid = heard(wish.service, wish.screen)
     elif not settings.profile:
         raise UserError("verify: name a profile whose projector is calibrated: --profile desk")
     else:
         grid = _sensed(settings, wish)
-    return _summed_up(grid, wish.within_mm)
+    return summed_up(grid, wish.within_mm)
 
 
 def _sensed(settings: Settings, wish: VerifyWish) -> Grid:
@@ -113,7 +75,8 @@ def _sensed(settings: Settings, wish: VerifyWish) -> Grid:
         verification = Verification(_grid_of(profile, screen), screen)
         state = start(profile, settings.sensing)
         if isinstance(source, VirtualUser):
-            _follow(source, verification, state, settings)
+            with suppress(KeyboardInterrupt):
+                _follow(source, verification, state, settings)
             return verification.grid
         tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
         stack.callback(tracker.close)
@@ -143,45 +106,6 @@ def _follow(
                 user.obey(Cue("cross", "Touch the ringed crossing.", at_px=grid.pixel(asked)))
 
 
-def _heard(wish: VerifyWish) -> Grid:
-    """Hear a running service."""
-    assert wish.service is not None  # `verify` saw to it
-    try:
-        receiver = halo_client.receive(wish.service)
-    except halo_client.ClientError as error:
-        raise UserError(f"verify: {error}") from error
-    with receiver, Display(wish.screen.display, full_screen=not wish.screen.window) as display:
-        scene, homography = _told_by(receiver)
-        matrix = np.array(homography.projector_from_surface).reshape(3, 3)
-        size_px = homography.width_px, homography.height_px
-        grid = _grid(scene.width_mm, scene.height_mm, matrix, size_px, display)
-        verification = Verification(grid, display)
-        for frame in receiver.frames(1.0):
-            if frame is not None:
-                fingers = [Finger(p.x_mm, p.y_mm, p.touching) for p in frame.pointers]
-                downs = [(d.u * scene.width_mm, d.v * scene.height_mm) for d in frame.downs]
-                verification.take(fingers, downs)
-            if verification.done:
-                break
-    return verification.grid
-
-
-def _told_by(receiver: halo_client.Receiver) -> tuple[wire.Scene, wire.Homography]:
-    """Wait for what a service says of its surface and its projector."""
-    until_s = time.monotonic() + WAIT_S
-    while time.monotonic() < until_s:
-        receiver.poll(0.25)
-        for where, homography in receiver.known.homographies.items():
-            scene = receiver.known.scenes.get(where)
-            if scene is not None:
-                return scene, homography
-    heard = "tells of no projector" if receiver.known.scenes else "is not heard"
-    raise UserError(
-        f"verify: a service at {receiver.url} {heard}: start 'halo serve' with a profile whose "
-        f"projector is calibrated ('halo calibrate projector')"
-    )
-
-
 def _grid_of(profile: Profile, screen: Screen) -> Grid:
     if profile.projector is None:
         raise UserError(
@@ -190,25 +114,7 @@ def _grid_of(profile: Profile, screen: Screen) -> Grid:
     projector, surface = profile.projector, profile.surface
     size_px = projector.width_px, projector.height_px
     matrix = projector.projector_from_surface
-    return _grid(surface.width_mm, surface.height_mm, matrix, size_px, screen)
-
-
-def _grid(
-    width_mm: float,
-    height_mm: float,
-    matrix: NDArray[np.float64],
-    size_px: tuple[int, int],
-    screen: Screen,
-) -> Grid:
-    """A grid for a screen that may have another resolution than it was calibrated with."""
-    scale = np.diag([screen.size_px[0] / size_px[0], screen.size_px[1] / size_px[1], 1.0])
-    grid = Grid(width_mm, height_mm, scale @ matrix, screen.size_px)
-    if len(grid.places) == 0:
-        raise UserError(
-            "the projector's picture does not reach the surface: turn or move it until it does, "
-            "and run 'halo calibrate projector' again"
-        )
-    return grid
+    return grid_over(surface.width_mm, surface.height_mm, matrix, size_px, screen)
 
 
 class _Teller:
@@ -255,19 +161,3 @@ def _stop_on_signals(loop: LiveLoop) -> None:
 
     signal.signal(signal.SIGINT, stop)
     signal.signal(signal.SIGTERM, stop)
-
-
-def _summed_up(grid: Grid, within_mm: float) -> int:
-    """Print the figures; return the exit code."""
-    summary = grid.summary()
-    if summary is None:
-        print("no crossing was touched")
-        return 1
-    print(
-        f"{summary.touches} touches of {summary.crossings} of {len(grid.places)} crossings: median "
-        f"{summary.median_mm:.1f} mm, p95 {summary.p95_mm:.1f} mm, worst "
-        f"{summary.worst_mm:.1f} mm at {grid.name(summary.worst)}"
-    )
-    good = summary.p95_mm <= within_mm and summary.crossings == len(grid.places)
-    print(f"{'good' if good else 'falls short'}: 95 % within {within_mm:g} mm are wanted, of all")
-    return int(not good)

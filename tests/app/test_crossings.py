@@ -81,6 +81,9 @@ def test_lines_and_dots_are_drawn_where_the_homography_puts_them(homography) -> 
     for place in grid.places:
         x, y = pixel(homography, place)
         assert empty[int(y), int(x)].max() > 40
+    edges = [pixel(homography, edge) for edge in ((0.0, 100.0), (300.0, 100.0))]
+    for x, y in edges:  # the surface's own, far from the grid
+        assert empty[int(y) - 1 : int(y) + 2, int(x) - 1 : int(x) + 2].max() > 40
     finger = Finger(133.0, 88.0, True)
     dotted = grid.picture([finger])
     rows, columns = np.nonzero((dotted != empty).any(axis=2))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -70,6 +73,49 @@ def test_without_a_profile_there_is_no_grid(capsys: pytest.CaptureFixture[str]) 
     assert "name a profile" in capsys.readouterr().err
 
 
+def stopped(process: subprocess.Popen[str], after: str) -> tuple[int, str]:
+    """Press Ctrl-C once a line with these words was printed; return the exit code and the output
+    from then on."""
+    assert process.stderr is not None
+    assert any(after in line for line in process.stderr)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60.0)
+    return process.returncode, out + err
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_verification_with_its_figures(
+    small: Path, spawn: Callable[..., subprocess.Popen[str]]
+) -> None:
+    process = spawn(
+        Path(sys.executable).with_name("halo"), "verify", "--source", SIM, "--profile", small
+    )
+    code, said = stopped(process, after="mm off")
+    assert code == 1
+    assert "touches of 1 of 4 crossings" in said or "touches of 2 of 4 crossings" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("step", ["background", "touch", "projector"])
+def test_ctrl_c_in_a_calibration_leaves_the_profile_as_it_was(
+    small: Path, spawn: Callable[..., subprocess.Popen[str]], step: str
+) -> None:
+    before = {path.name: path.read_bytes() for path in small.iterdir()}
+    process = spawn(
+        Path(sys.executable).with_name("halo"),
+        "calibrate",
+        step,
+        "--source",
+        SIM,
+        "--profile",
+        small,
+    )
+    code, said = stopped(process, after=f"Calibrating {small}")
+    assert code == 130
+    assert "stopped; the steps that were done are kept" in said
+    assert {path.name: path.read_bytes() for path in small.iterdir()} == before
+
+
 MATRIX = (3.0, 0.1, 50.0, 0.0, 3.0, 60.0, 0.0, 0.0, 1.0)
 
 
@@ -123,6 +169,6 @@ def test_a_service_that_is_not_there_is_a_sentence(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr("halo_service.app.verify.WAIT_S", 0.5)
+    monkeypatch.setattr("halo_service.app.verify_heard.WAIT_S", 0.5)
     assert main(["verify", "--from", f"osc://127.0.0.1:{free_port()}", "--window"]) == 2
     assert "is not heard: start 'halo serve'" in capsys.readouterr().err

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -115,7 +117,11 @@ class Screen:
         self.shown.append(picture)
 
 
-def test_nine_touched_crosses_make_a_homography(camera, draw, see, profile: Profile) -> None:
+def test_nine_touched_crosses_make_a_homography(
+    camera, draw, see, profile: Profile, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.DEBUG, "halo_calibration")
+
     def under(cue: Cue) -> tuple[float, float]:
         return 190.0 + cue.at_px[0] / 5.0, 210.0 + cue.at_px[1] / 5.0
 
@@ -124,6 +130,9 @@ def test_nine_touched_crosses_make_a_homography(camera, draw, see, profile: Prof
     assert made.projector is not None
     for scale in np.diag(made.projector.projector_from_surface)[:2]:
         assert 4.95 < scale < 5.05 / NEARER
+    told = [message for message in caplog.messages if "cross: off by" in message]
+    assert len(told) == 9
+    assert all(re.search(r"[0-9.]+ px, [0-9.]+ mm$", message) for message in told)
     assert len(screen.shown) == 10
     for picture, (x, y) in zip(screen.shown, crosses(*SIZE), strict=False):
         assert picture[round(y), round(x)].min() == 255  # the one to touch is the bright one

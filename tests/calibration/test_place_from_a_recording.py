@@ -2,48 +2,26 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from halo_calibration.boards import ANCHOR, SHEET, Projected
-from halo_calibration.guided import Cue
+from halo_calibration.boards import ANCHOR, SHEET
+from halo_calibration.guided import CUES, Cue
 from halo_service.app.cli import main
-from halo_service.app.virtual_user import MARKER_AT, SHEET_AT, VirtualUser
+from halo_service.app.virtual_user import MARKER_AT, SHEET_AT
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.room import Room, draw_room
+from tests.filmed import Film
 
 pytestmark = pytest.mark.slow
 
 FRAMES = 12
 """Of each board: 0.4 seconds."""
-
-
-class Take:
-    """A recording of a person who follows cues, and the script of what they did when."""
-
-    def __init__(self, room: Room, recorder: Recorder) -> None:
-        self.user = VirtualUser(room, colour_times=1)
-        self.script: list[dict[str, float | str]] = []
-        self._recorder = recorder
-        self._index = 0
-
-    def step(self, cue: Cue, frames: int, step: str, **fields: float | str) -> None:
-        self.user.obey(cue)
-        from_s = self._index / FPS
-        for _ in range(frames):
-            # Matroska counts in milliseconds.
-            time_us = round(self._index * 1e3 / FPS) * 1000
-            self._recorder.write(dataclasses.replace(self.user.read(1.0), time_us=time_us))
-            self._index += 1
-        to_s = (self._index - 0.5) / FPS
-        self.script.append({"step": step, "from_s": from_s, "to_s": to_s, **fields})
 
 
 @pytest.fixture(scope="module")
@@ -57,19 +35,16 @@ def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("place")
     recording = folder / "place.mkv"
     with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
-        take = Take(room, recorder)
-        take.step(Cue("background", ""), 60, "background")
-        take.step(Cue("sheet", "", board=SHEET), FRAMES, "surface", by="markers", width_mm=280.0)
-        width, height = take.user.projector_px
-        board = Projected(width, height).picture()
-        take.user.project(np.repeat(board[..., None], 3, axis=2))
-        size = {"width_px": width, "height_px": height}
-        take.step(Cue("board", ""), FRAMES, "projector", **size)
-        take.user.project(np.zeros((height, width, 3), np.uint8))
+        film = Film(room, recorder)
+        film.user.obey(CUES["background"])
+        film.step("background", 60)
+        film.user.obey(Cue("sheet", "", board=SHEET))
+        film.step("surface", FRAMES, by="markers", width_mm=280.0)
+        film.board(FRAMES)
+        film.user.obey(Cue("marker", "", board=ANCHOR))
         (number,) = ANCHOR.middles_mm
-        take.step(Cue("marker", "", board=ANCHOR), FRAMES, "anchor", marker=number)
-    script = folder / "script.json"
-    script.write_text(json.dumps(take.script))
+        film.step("anchor", FRAMES, marker=number)
+    script = film.written(folder)
     arguments = ["--source", f"recording:{recording}", "--script", str(script)]
     assert main(["calibrate", *arguments, "--profile", str(folder / "profile")]) == 0
     return recording

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards import SHEET
+from halo_calibration.steps import Setup, surface_change
 from halo_calibration.surface_solver import CORNERS, surface_by_markers, surface_by_touches
 from halo_service.geometry.surface import Surface
 from halo_service.virtual.props import printed
@@ -13,43 +14,6 @@ A4 = 297.0, 210.0
 PAPER = SHEET.picture(*A4, 4)
 PLANE = Surface("table", 300.0, 200.0, np.eye(4))
 RECTANGLE = np.array([[0.0, 0.0], [310.0, 0.0], [310.0, 190.0], [0.0, 190.0]])
-
-
-@pytest.mark.parametrize("lens", ["colour", "infrared"])
-@pytest.mark.parametrize(
-    ("height_mm", "pitch_deg", "yaw_deg", "material", "light", "resolution"),
-    [
-        (450.0, 0.0, 0.0, "paper", 1.0, "720P"),
-        (500.0, 15.0, 0.0, "wood", 0.8, "720P"),
-        (620.0, -8.0, 15.0, "suede", 0.6, "1080P"),
-        (700.0, 10.0, -10.0, "foam", 1.0, "1536P"),
-        (1000.0, -15.0, 0.0, "plastic", 0.7, "720P"),
-    ],
-)
-def test_the_sheet_tells_the_surface(
-    height_mm, pitch_deg, yaw_deg, material, light, resolution, lens
-):
-    x, y, turn = 160.0, 95.0, 8.0
-    sheet = printed(PAPER, x, y, A4[0], turn)
-    table = room(height_mm, pitch_deg, yaw_deg, material=material, light=light, sheets=(sheet,))
-    place = Place(table, resolution)
-    camera = place.camera
-    if lens == "colour":
-        laid = surface_by_markers(
-            place.colour(), camera.colour, camera.colour_from_depth, place.plane, 280.0, 180.0
-        )
-    else:
-        laid = surface_by_markers(
-            place.infrared(), camera.depth, np.eye(4), place.plane, 280.0, 180.0
-        )
-    truth = turned(x, y, turn) @ turned(-140.0, -90.0, 0.0)
-    places = grid(280.0, 180.0)
-    off = np.linalg.norm(place.read_at(laid.surface, sent(truth, places)) - places, axis=1)
-    print(f"{lens}: {off.mean():.2f} mm, at most {off.max():.2f}; says {laid.error_mm:.2f} mm")
-    assert off.max() < 1.5
-    assert laid.error_mm < 1.0
-    assert laid.error_px < 1.0
-    assert (laid.surface.width_mm, laid.surface.height_mm) == (280.0, 180.0)
 
 
 def touched(turn_deg, noise_mm, seed=1, order=(0, 1, 2, 3), count=3):
@@ -126,12 +90,14 @@ def test_a_sheet_of_another_size_is_refused(paper_mm, says):
         surface_by_markers(place.colour(), camera.colour, camera.colour_from_depth, place.plane)
 
 
-def test_a_surface_of_no_size_is_refused():
+@pytest.mark.parametrize("size", [(10.0, 200.0), (300.0, -5.0), (float("nan"), 200.0)])
+def test_a_surface_of_no_size_is_refused(size):
     place = Place(room(sheets=(printed(PAPER, 150.0, 100.0, A4[0]),)))
     camera = place.camera
-    said = refusal(
-        lambda: surface_by_markers(
-            place.colour(), camera.colour, camera.colour_from_depth, place.plane, 10.0, 200.0
-        )
-    )
-    assert "10 x 200 mm cannot be used" in said
+    view = place.colour(), camera.colour, camera.colour_from_depth
+    setup = Setup("desk", camera, "2026-01-01T00:00:00Z")
+    for call in (
+        lambda: surface_by_markers(*view, place.plane, *size),
+        lambda: surface_change(setup, *size),
+    ):
+        assert f"{size[0]:.0f} x {size[1]:.0f} mm cannot be used" in refusal(call)

@@ -1,0 +1,80 @@
+"""One grid that is touched: what is drawn, told and counted, whoever sees the fingers."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_calibration.guided_projector import Screen
+from halo_service.app.crossings import Finger, Grid, Landing
+from halo_service.app.display import Display
+from halo_service.errors import UserError
+
+
+class Verification:
+    """One grid, until all of its crossings have been touched."""
+
+    def __init__(self, grid: Grid, screen: Screen) -> None:
+        self.grid = grid
+        self._screen = screen
+        self._screen.show(grid.picture([]))
+
+    def take(self, fingers: Sequence[Finger], downs: Sequence[tuple[float, float]]) -> None:
+        """Draw one frame, and count the touches that began in it; mm on the surface."""
+        for x_mm, y_mm in downs:
+            landing = self.grid.land(x_mm, y_mm)
+            print(self._told(x_mm, y_mm, landing), file=sys.stderr)
+        self._screen.show(self.grid.picture(fingers))
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to touch, or the user has closed the display."""
+        closed = isinstance(self._screen, Display) and not self._screen.open
+        return closed or self.grid.next is None
+
+    def _told(self, x_mm: float, y_mm: float, landing: Landing | None) -> str:
+        if landing is None:
+            return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is near no crossing"
+        return (
+            f"{self.grid.name(landing.crossing)}: {landing.off_mm:.1f} mm off "
+            f"({landing.dx_mm:+.1f} right, {landing.dy_mm:+.1f} near)"
+        )
+
+
+def grid_over(
+    width_mm: float,
+    height_mm: float,
+    matrix: NDArray[np.float64],
+    size_px: tuple[int, int],
+    screen: Screen,
+) -> Grid:
+    """Lay a grid over a surface, for a screen of maybe another size than it was calibrated
+    with (`size_px`); `matrix`: `projector_from_surface`. Raises `UserError` where none fits."""
+    scale = np.diag([screen.size_px[0] / size_px[0], screen.size_px[1] / size_px[1], 1.0])
+    grid = Grid(width_mm, height_mm, scale @ matrix, screen.size_px)
+    if len(grid.places) == 0:
+        raise UserError(
+            "the projector's picture does not reach the surface: turn or move it until it does, "
+            "and run 'halo calibrate projector' again"
+        )
+    return grid
+
+
+def summed_up(grid: Grid, within_mm: float) -> int:
+    """Print the figures; return the exit code: 0 where all crossings were touched and 95 % of the
+    touches lie within the bound."""
+    summary = grid.summary()
+    if summary is None:
+        print("no crossing was touched")
+        return 1
+    print(
+        f"{summary.touches} touches of {summary.crossings} of {len(grid.places)} crossings: median "
+        f"{summary.median_mm:.1f} mm, p95 {summary.p95_mm:.1f} mm, worst "
+        f"{summary.worst_mm:.1f} mm at {grid.name(summary.worst)}"
+    )
+    good = summary.p95_mm <= within_mm and summary.crossings == len(grid.places)
+    print(f"{'good' if good else 'falls short'}: 95 % within {within_mm:g} mm are wanted, of all")
+    return int(not good)

@@ -14,7 +14,8 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="SOURCE",
-        help="whom to hear: osc://127.0.0.1:9000 (default), zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
+        help="whom to hear: osc://127.0.0.1:9000 (default), "
+        "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
     parser.add_argument(
         "--full-screen",

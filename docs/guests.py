@@ -110,6 +110,9 @@ def draw_session(frames: list[TouchFrame], folder: Path) -> None:
     times = np.arange(len(pieces)) * 192 / RATE
     wave.fill_between(times, -pieces, pieces, color=LIGHT, lw=0)
     wave.set(xlabel="s", ylabel="sound", yticks=())
+    # The service learns the empty table first, and nobody plays.
+    begin_s = min(each.time_us - first_us for each in gestures) / 1e6
+    wave.set_xlim(begin_s - 0.2, times[-1])
     for axis in (pads, hand, wave):
         dress(axis)
     figure.align_ylabels()

@@ -12,14 +12,21 @@ import pytest
 from numpy.typing import NDArray
 
 import halo_client
-from halo_client import FileSource
-from halo_drums.player import Hit, Player
+from halo_client import FileSource, TouchKey
+from halo_drums.bank import make_bank
+from halo_drums.kit import KIT, Settings, pad_at
+from halo_drums.mixer import Mixer
+from halo_drums.player import Hit, Player, Shape
 from halo_drums.render import TAIL_S, render
 from halo_drums.voices import RATE
 from halo_protocol import Assembler, TouchFrame
 from halo_service.outputs.wire import Wire
 
 SECONDS = 7.5
+SESSIONS = ("sim:drumming?seed=4", "sim:drumming?seed=5")
+"""What tells an onset was chosen by ear and eye on seed 3, and is judged on others."""
+STEP_MM = 5.0
+"""Heights nearer to each other than this are one to the ear."""
 HOP, WIDTH, BACK = 48, 240, 6
 """A look each millisecond, over 5 ms, compared with that of 6 ms before."""
 ONSET = 5.0
@@ -46,10 +53,11 @@ def onsets_s(sound: NDArray[np.float32]) -> list[float]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", SESSIONS)
 def test_each_hit_of_the_session_is_heard_once_within_5_ms(
-    sensed: Callable[[str, float], Any],
+    sensed: Callable[[str, float], Any], name: str
 ) -> None:
-    session = sensed("sim:drumming?seed=3", SECONDS)
+    session = sensed(name, SECONDS)
     frames = list(halo_client.frames(FileSource(session.stream, paced=False)))
     sound = render(frames)
     downs_s = [
@@ -71,11 +79,53 @@ def test_each_hit_of_the_session_is_heard_once_within_5_ms(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", SESSIONS)
+def test_the_higher_the_hand_truly_hovers_the_sharper_the_sound(
+    sensed: Callable[[str, float], Any], name: str
+) -> None:
+    """The same drum, struck at each moment in which the other hand was seen."""
+    session = sensed(name, SECONDS)
+    drumming = {line["contact"]["hand"] for line in session.truth if "contact" in line}
+    true_mm = {
+        line["time_us"]: [
+            each["height_mm"] for each in line["fingers"] if each["hand"] not in drumming
+        ]
+        for line in session.truth
+        if "fingers" in line
+    }
+    # High enough that no height is cut off: the sensed one may be some millimetres too high.
+    bank, player = make_bank(KIT), Player(settings=Settings(high_mm=100.0))
+    pairs = []
+    for frame in halo_client.frames(FileSource(session.stream, paced=False)):
+        shapes = [each for each in player.take(frame) if isinstance(each, Shape)]
+        if shapes and true_mm.get(frame.time_us):
+            mixer = Mixer(bank, Settings(resting=shapes[0].height))
+            mixer.take(Hit(0, TouchKey("", "", "", 1, 1), pad_at(KIT, 0.6, 0.3), 0.8, 0.6, 0.3))
+            sound = np.concatenate([mixer.block() for _ in range(40)])
+            pairs.append((min(true_mm[frame.time_us]), centroid_hz(sound)))
+    heights, centroids = np.array(pairs).T
+    steps = np.floor(heights / STEP_MM)
+    means = [
+        float(centroids[steps == step].mean())
+        for step in np.unique(steps)
+        if np.count_nonzero(steps == step) >= 5
+    ]
+    print(f"{heights.min():.0f} to {heights.max():.0f} mm: {np.round(means)} Hz")
+    assert len(means) >= 4
+    assert all(low < high for low, high in pairwise(means))
+
+
+def centroid_hz(sound: NDArray[np.float32]) -> float:
+    power = np.abs(np.fft.rfft(sound.mean(axis=1))) ** 2
+    return float((power * np.fft.rfftfreq(len(sound), 1 / RATE)).sum() / power.sum())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_with_a_fifth_of_the_datagrams_lost_still_one_sound_a_hit(
     sensed: Callable[[str, float], Any], seed: int
 ) -> None:
-    session = sensed("sim:drumming?seed=3", SECONDS)
+    session = sensed(SESSIONS[0], SECONDS)
 
     def hits(loss: float) -> list[tuple[int, Hit]]:
         lost, wire, assembler, player = (

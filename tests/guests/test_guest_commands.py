@@ -72,6 +72,26 @@ def test_nobody_playing_is_a_sentence_and_a_wait_and_ctrl_c_ends_cleanly(
     assert "Traceback" not in rest
 
 
+@pytest.mark.parametrize("guest", SOUND)
+def test_a_service_of_another_major_version_is_one_sentence(
+    run: Run, guest: str, udp_port: int, say: Any
+) -> None:
+    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}")
+    said(process, "waiting")
+    header = Frame("desk", "s1", 1, 1000, 0, 1)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        for datagram in encode_frame("table", header, [say.finger()], [], []):
+            foreign = datagram.replace(b"/halo/1/", b"/halo/2/")
+            assert foreign != datagram
+            out.sendto(foreign, ("127.0.0.1", udp_port))
+    told = said(process, "speaks protocol 2")
+    assert "this program speaks 1: use versions of both that belong together" in told
+    process.send_signal(signal.SIGINT)
+    _, rest = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert rest == ""
+
+
 @pytest.fixture
 def udp_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

@@ -320,7 +320,14 @@ def test_the_sensed_session_is_painted_no_worse_than_it_was_sensed(
     added = max(float(_distance(each, path).max()) for each in points)
     off = np.concatenate([_distance(each, real) for each in points])
     rank = float(spearmanr(told[:, 2], told[:, 5]).statistic)
+    # Each place's width is that of the nearest point of the curve.
+    curve = np.concatenate(points)
+    radius = np.concatenate([whole(stroke).radius for stroke in strokes])
+    apart = np.hypot(*(path[:, None] - curve).transpose(2, 0, 1))
+    widths = radius[apart.argmin(axis=1)]
+    drawn, kept = (float(spearmanr(widths, told[:, n]).statistic) for n in (5, 2))
     print(f"{len(strokes)} strokes; sensed pressure to true force {rank:.2f}")
+    print(f"width to true force {drawn:.2f}, to sensed pressure {kept:.2f}")
     print(f"painted off the true path: median {np.median(off):.1f}, most {off.max():.1f} mm")
     print(f"painted off the sensed path: at most {added:.1f} mm")
     whole_picture, inked = similarity(

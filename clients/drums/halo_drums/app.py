@@ -80,16 +80,27 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--left-handed", action="store_true", help="snare and kick on the left")
     known = Settings()
     parser.add_argument(
-        "--low", type=float, default=known.low_mm, metavar="MM", help="height that is all deep"
+        "--low",
+        type=float,
+        default=known.low_mm,
+        metavar="MM",
+        help="hover so low for the deepest sound",
     )
     parser.add_argument(
-        "--high", type=float, default=known.high_mm, metavar="MM", help="height that is all sharp"
+        "--high",
+        type=float,
+        default=known.high_mm,
+        metavar="MM",
+        help="hover so high for the sharpest",
     )
     parser.add_argument(
         "--render", type=Path, metavar="OUT.wav", help="write the sound of --from FILE.jsonl"
     )
     parser.add_argument(
-        "--picture", type=Path, metavar="OUT.png", help="write its loudest moment as a picture"
+        "--picture",
+        type=Path,
+        metavar="OUT.png",
+        help="write the loudest moment of --from FILE.jsonl",
     )
     return parser
 

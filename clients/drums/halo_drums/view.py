@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import pygame
@@ -44,7 +45,7 @@ class View:
         """The whole picture; `note` is a line of words at its lower edge."""
         self._hits = [(at_s, hit) for at_s, hit in self._hits if now_s - at_s < RING_S]
         screen.fill(BACKGROUND)
-        font = pygame.font.Font(None, max(18, screen.get_height() // 28))
+        font = _font(max(18, screen.get_height() // 24))
         for pad in self.kit:
             self._pad(screen, placed, font, pad, now_s)
         for at_s, hit in self._hits:
@@ -99,6 +100,12 @@ class View:
     @staticmethod
     def _pixel(placed: Placed, u: float, v: float) -> tuple[float, float]:
         return placed.placing.pixel(u * placed.width_mm, v * placed.height_mm)
+
+
+@lru_cache(maxsize=4)
+def _font(height_px: int) -> pygame.font.Font:
+    """Read from its file once, not with each picture."""
+    return pygame.font.Font(None, height_px)
 
 
 def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture]) -> None:

@@ -130,7 +130,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_stage_options(parser)
     parser.add_argument(
-        "--brush", choices=[brush.name for brush in BRUSHES], default=BRUSHES[0].name
+        "--brush",
+        choices=[brush.name for brush in BRUSHES],
+        default=BRUSHES[0].name,
+        help="what to begin with",
     )
     parser.add_argument(
         "--vary", action="store_true", help="another colour and brush with each stroke"

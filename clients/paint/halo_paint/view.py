@@ -10,11 +10,12 @@ import numpy as np
 import pygame
 
 from halo_client import Placing
-from halo_paint.brushes import PAPER, Brush, Colour, width_mm
-from halo_paint.canvas import Canvas
+from halo_paint.brushes import PAPER, Brush, Colour
+from halo_paint.canvas import Canvas, over
 from halo_paint.painter import Change, News, Painter
 from halo_paint.palette import CELLS, Cell, Wish
-from halo_paint.sweep import Box
+from halo_paint.stroke import Stroke
+from halo_paint.sweep import Box, sweep
 from halo_protocol import Pointer
 from halo_window import Placed
 
@@ -86,10 +87,10 @@ class View:
             self._pixel(u, v) for u, v in ((left, far), (right, far), (right, near), (left, near))
         ]
         pygame.draw.polygon(screen, PALETTE, corners)
-        centre = self._pixel((left + right) / 2, (far + near) / 2)
-        scale = self._scale((left + right) / 2, (far + near) / 2)
+        middle = (left + right) / 2, (far + near) / 2
+        centre, scale = self._pixel(*middle), self._scale(*middle)
         if isinstance(cell.means, Brush):
-            self._sample(screen, cell.means, painter, centre, scale)
+            self._sample(screen, cell.means, painter, *middle)
         elif isinstance(cell.means, Wish):
             words = self._font.render(cell.means.value, True, INK)
             screen.blit(words, words.get_rect(center=centre))
@@ -98,22 +99,23 @@ class View:
         if chosen:
             pygame.draw.aacircle(screen, INK, centre, 9.0 * scale, max(1, round(0.7 * scale)))
 
-    @staticmethod
     def _sample(
-        screen: pygame.Surface,
-        brush: Brush,
-        painter: Painter,
-        centre: tuple[float, float],
-        scale: float,
+        self, screen: pygame.Surface, brush: Brush, painter: Painter, u: float, v: float
     ) -> None:
-        """A short stroke, from light to strong."""
-        for step in range(13):
-            part = step / 12
-            radius = float(width_mm(brush, np.array(part * 1.3))) / 2 * scale
-            along = (part - 0.5) * 10.0 * scale
-            lean = -0.5 if brush.nib_deg is None else 0.6
-            place = (centre[0] + along, centre[1] + lean * along)
-            pygame.draw.aacircle(screen, painter.colour, place, max(1.0, 0.8 * radius))
+        """A short stroke of the brush itself, from light to strong."""
+        x, y = u * self.placed.width_mm, v * self.placed.height_mm
+        stroke = Stroke(brush, painter.colour, seed=1)
+        fall_mm = -6.0 if brush.nib_deg is None else 6.0  # Across the nib, not along it.
+        for step, part in enumerate(np.linspace(-1.0, 1.0, 9)):
+            place = (x + 3.5 * part, y + fall_mm * part + 2.0 * part**2)
+            stroke.add(*place, 0.55 + 0.4 * part, step * 50_000)
+        stroke.end()
+        layer = np.zeros(self.size[::-1], np.float32)
+        box = sweep(layer, self.placed.placing, stroke)
+        if box is not None:
+            below = np.full((*layer[box].shape, 3), PALETTE, np.uint8)
+            pixels = over(below, layer[box], stroke.colour).swapaxes(0, 1)
+            screen.blit(pygame.surfarray.make_surface(pixels), (box[1].start, box[0].start))
 
     def _ring(self, screen: pygame.Surface, painter: Painter, finger: Pointer) -> None:
         scale = self._scale(finger.u, finger.v)

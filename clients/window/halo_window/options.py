@@ -14,7 +14,8 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="SOURCE",
-        help="osc://127.0.0.1:9000 (default), zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
+        help="whom to hear: osc://127.0.0.1:9000 (default), "
+        "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
     parser.add_argument(
         "--full-screen",
@@ -22,5 +23,9 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         help="fill the display; on a calibrated projector, things appear under your fingers",
     )
     parser.add_argument(
-        "--display", type=int, default=0, metavar="N", help="which display, from 0; 1 is often it"
+        "--display",
+        type=int,
+        default=0,
+        metavar="N",
+        help="which display, from 0; the projector is often 1",
     )

@@ -65,7 +65,7 @@ class Observer:
         """Return the surest stretched index finger, or None."""
         profile = self._profile
         excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
-        self._drift = follow_drift(self._drift, excess, frame.time_us)
+        self._drift = follow_drift(self._drift, frame.depth, profile.background, frame.time_us)
         revealed = reveal(excess, self._settings, profile.halo_threshold_mm)
         seen = [
             each for each in sightings(self._look(frame)) if self._side in (Side.UNKNOWN, each.side)

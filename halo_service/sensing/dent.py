@@ -31,7 +31,8 @@ def dent_beside(revealed: Revealed, tip: Fingertip) -> float:
     if length == 0.0:
         return math.nan
     dx, dy = dx / length, dy / length
-    x, y = tip.tip_px[0] - BACK_PX * dx, tip.tip_px[1] - BACK_PX * dy
+    end = revealed.inside(tip.tip_px)
+    x, y = end[0] - BACK_PX * dx, end[1] - BACK_PX * dy
     left, top = max(round(x) - _REACH, 0), max(round(y) - _REACH, 0)
     window = revealed.excess_mm[
         top : max(round(y) + _REACH + 1, 0), left : max(round(x) + _REACH + 1, 0)

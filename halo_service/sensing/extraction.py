@@ -30,9 +30,10 @@ def extract(revealed: Revealed, tip: Fingertip) -> float:
     hand itself, by a neighbour or by pixels that measured nothing, what is left stands for all.
     """
     dx, dy = _direction(tip)
+    end = revealed.inside(tip.tip_px)
     # The edge of a silhouette lies between two pixels, where rounding would waver.
-    x = np.floor(tip.tip_px[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
-    y = np.floor(tip.tip_px[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
+    x = np.floor(end[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
+    y = np.floor(end[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
     height, width = revealed.halo.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     x, y = x[inside], y[inside]
@@ -57,11 +58,12 @@ def line_pixels(revealed: Revealed, tip: Fingertip) -> int:
     length = math.hypot(dx, dy)
     if length == 0.0:
         return 0
+    joint = revealed.inside(tip.distal_px)
     height, width = revealed.halo.shape
     count = 0
     for step in range(round(length) + LINE_PX):
-        x = round(tip.distal_px[0] + dx * step / length)
-        y = round(tip.distal_px[1] + dy * step / length)
+        x = round(joint[0] + dx * step / length)
+        y = round(joint[1] + dy * step / length)
         if 0 <= x < width and 0 <= y < height:
             count += bool(revealed.halo[y, x])
     return count

@@ -58,11 +58,11 @@ def locate(
     back_px = math.dist(sighting.distal_px, sighting.tip_px)
     distal = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
 
-    top_mm = height_behind(revealed.excess_mm, tip, direction, radius_mm * px_per_mm)
+    top_mm = height_behind(revealed, tip, direction, radius_mm * px_per_mm)
     height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     rays = camera.depth.rays(np.array([tip, distal]))
     pad = _pad(rays, surface, height + radius_mm, radius_mm)
-    read = angles(depth, revealed.hand, tip, direction, camera, surface)
+    read = angles(depth, revealed, tip, direction, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
     confidence = sighting.confidence

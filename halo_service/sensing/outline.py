@@ -8,6 +8,7 @@ is always nearer than the dent on both sides and ahead of it, and that edge is s
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
+from halo_service.sensing.straight import Grid, blended, grid, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -30,7 +32,7 @@ NEARER_MM = 4.0
 STANDS_OUT_MM = 8.0
 """What reads nearer than its surroundings by this much is finger too (chosen: half of the least
 step between a finger and the dent around it, and above the noise of 3 x 3 pixels)."""
-FILLED_PX = 21
+FILLING = np.ones((21, 21), np.uint8)
 """A valley narrower than this is a finger: half as wide again as a finger at 0.5 m."""
 LEAST_HAND_PX = 20
 """Fewer finger pixels in the window are noise."""
@@ -42,13 +44,15 @@ LEAST_ROWS, LEAST_PX = 5, 3
 """Fewer rows make no line, fewer pixels no row."""
 TURN = 0.5
 """The midline corrects the landmarks' direction by at most this slope a pass."""
-AHEAD = np.arange(-14.0, 22.0)
-"""Along the finger: where its end is sought, px from the rough one."""
-ACROSS = np.arange(-15.0, 16.0)
+AHEAD_PX = (-14, 22)
+"""Along the finger: where its end is sought, from the rough one."""
+ACROSS_PX = (-15, 16)
 """Across: where its two sides are sought."""
-END_PX = (-10.0, 17.0)
-SIDE_PX = (2.0, 12.0)
+END_PX = (-10, 17)
+SIDE_PX = (2, 12)
 """Within these the edge must lie."""
+NO_RIDGE = 1e6
+"""Farther than anything reads, mm."""
 ROUND = 0.75
 """Share of the radius to both sides of the middle over which the round end is averaged."""
 LEAST_STEP_MM = 5.0
@@ -71,11 +75,13 @@ class Outline(NamedTuple):
 
 
 class _View(NamedTuple):
-    excess: Excess
-    measured: NDArray[np.float32]
-    """1 where a depth of this finger or of the surface around it was measured."""
-    left: int
-    top: int
+    """What is looked at, cut once."""
+
+    layers: Excess
+    """(h, w, 2) excess depth, mm, and 1 where it was measured on this finger or the surface; both
+    are 0 elsewhere, so that averages over either leave out the same."""
+    ridge: Excess
+    """(h, w) excess depth where it is the finger's, `NO_RIDGE` elsewhere."""
 
 
 def outline(
@@ -86,28 +92,30 @@ def outline(
     `revealed`: what is neither hand nor free in it is another finger's, and not looked at;
     `direction`: unit vector from joint to tip, as well as it is known; `radius_px`: of the tip.
     """
-    view = _look(revealed, depth, guess)
-    if view is None:
+    part = _around(revealed, guess)
+    own = (part.hand | part.free) & (depth[part.rows, part.columns] > 0)
+    if own.size == 0:
         return None
-    finger = stands_out(view.excess)
-    tip = (guess[0] - view.left, guess[1] - view.top)
-    rough = silhouette_end(finger, tip, direction, radius_px)
+    excess = np.where(own, part.excess_mm, np.float32(0.0))
+    finger = stands_out(excess)
+    rough = silhouette_end(finger, part.inside(guess), direction, radius_px)
     if rough is None:
         return None
-    tip, direction = _midline(view, finger, rough, direction, radius_px)
+    layers = np.asarray(cv2.merge([excess, own.astype(np.float32)]), dtype=np.float32)
+    view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
+    tip, direction = _midline(view, rough, direction, radius_px)
     for _ in range(2):  # the second pass stands in the middle, the first may stand beside it
         ahead, clear = _end(view, tip, direction, radius_px)
         tip = _moved(tip, direction, ahead, 0.0)
         aside, width_px = _sides(view, tip, direction, radius_px)
         tip = _moved(tip, direction, 0.0, aside)
-    return Outline((tip[0] + view.left, tip[1] + view.top), direction, width_px, clear)
+    return Outline((tip[0] + part.left, tip[1] + part.top), direction, width_px, clear)
 
 
 def stands_out(excess_mm: Excess) -> NDArray[np.bool_]:
     """Return the mask of what is nearer than the surface, or than the dent around it."""
     smooth = cv2.blur(excess_mm, (3, 3))
-    kernel = np.ones((FILLED_PX, FILLED_PX), np.uint8)
-    filled = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, kernel)
+    filled = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, FILLING)
     return np.asarray((smooth < -NEARER_MM) | (filled - smooth > STANDS_OUT_MM))
 
 
@@ -128,54 +136,31 @@ def silhouette_end(
             return None
         along, across = along[near], across[near]
         end = float(np.partition(along, -3)[-3])  # the third farthest: two may be stray pixels
-        middle = float(across[along > end - half_px].mean())
+        foremost = across[along > end - half_px]
+        middle = float(foremost.sum()) / foremost.size
         tip = _moved(tip, direction, end, middle)
     return tip
 
 
-def straight(
-    view_mm: Excess, tip: Pixel, direction: Pixel, along: Floats, across: Floats
-) -> Excess:
-    """Sample an image in a finger's own rows and columns, px from its tip; bilinear, 0 outside."""
-    x = tip[0] + along * direction[0] - across * direction[1]
-    y = tip[1] + along * direction[1] + across * direction[0]
-    sampled = cv2.remap(view_mm, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR)
-    return np.asarray(sampled)
+def _around(revealed: Revealed, guess: Pixel) -> Revealed:
+    column, row = (round(each) for each in revealed.inside(guess))
+    rows = slice(max(row - VIEW_PX, 0), max(row + VIEW_PX, 0))
+    return revealed.cut((rows, slice(max(column - VIEW_PX, 0), max(column + VIEW_PX, 0))))
 
 
-def _look(revealed: Revealed, depth: Depth, guess: Pixel) -> _View | None:
-    left, top = max(round(guess[0]) - VIEW_PX, 0), max(round(guess[1]) - VIEW_PX, 0)
-    window = (
-        slice(top, max(round(guess[1]) + VIEW_PX, 0)),
-        slice(left, max(round(guess[0]) + VIEW_PX, 0)),
-    )
-    own = (revealed.hand[window] | revealed.free[window]) & (depth[window] > 0)
-    if own.size == 0:
-        return None
-    excess = np.where(own, revealed.excess_mm[window], np.float32(0.0))
-    return _View(excess, own.astype(np.float32), left, top)
-
-
-def _midline(
-    view: _View, finger: NDArray[np.bool_], tip: Pixel, direction: Pixel, radius_px: float
-) -> tuple[Pixel, Pixel]:
+def _midline(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[Pixel, Pixel]:
     """Follow the finger back from its end: return the end in its middle, and its direction."""
-    side = np.arange(-math.ceil(radius_px) - 1.0, math.ceil(radius_px) + 2.0)
-    height, width = view.excess.shape
     for back_px in MIDLINE_PX:
-        back = np.arange(-float(back_px), -2.0)[:, None]
-        x = np.rint(tip[0] + back * direction[0] - side * direction[1]).astype(np.intp)
-        y = np.rint(tip[1] + back * direction[1] + side * direction[0]).astype(np.intp)
-        inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-        x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
-        seen = inside & finger[y, x] & (view.measured[y, x] > 0.0)
-        read = np.where(seen, view.excess[y, x], np.inf)
-        crest = seen & (read <= read.min(axis=1)[:, None] + CREST_MM)
-        count = crest.sum(axis=1)
+        at = _behind(back_px, radius_px)
+        read = nearest(view.ridge, tip, direction, at, NO_RIDGE)
+        highest = np.minimum(read.min(axis=1) + CREST_MM, np.float32(NO_RIDGE - 1.0))
+        crest = read <= highest[:, None]
+        count = np.count_nonzero(crest, axis=1)
         rows = count >= LEAST_PX
         if np.count_nonzero(rows) < LEAST_ROWS:
             break
-        slope, middle = _line(back[rows, 0], (crest[rows] @ side) / count[rows])
+        middles = (crest @ at.across[0])[rows] / count[rows]
+        slope, middle = _line(at.along[rows, 0].astype(np.float64), middles)
         slope = min(max(slope, -TURN), TURN)
         tip = _moved(tip, direction, 0.0, middle)
         length = math.hypot(1.0, slope)
@@ -188,13 +173,8 @@ def _midline(
 
 def _end(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[float, bool]:
     """Return how far ahead of `tip` the finger ends, px, and whether there is an edge."""
-    half = math.floor(ROUND * radius_px)
-    across = np.arange(-half, half + 1.0)
-    # Bent like the end itself, so that the edge lies at one place in all columns.
-    bend = radius_px - np.sqrt(radius_px**2 - across**2)
-    along = AHEAD[:, None] - bend
-    profile = _profile(view, tip, direction, along, np.broadcast_to(across, along.shape), 1)
-    return (0.0, False) if profile is None else _edge(profile, AHEAD, END_PX)
+    profile = _profile(view, tip, direction, _ahead(radius_px), 1)
+    return (0.0, False) if profile is None else _edge(profile, AHEAD_PX[0], END_PX)
 
 
 def _sides(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[float, float]:
@@ -202,52 +182,75 @@ def _sides(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple
 
     Read where the tip is widest and a little behind.
     """
-    back = np.arange(-math.ceil(2.0 * radius_px), -math.floor(0.7 * radius_px))
-    along, across = np.meshgrid(back.astype(np.float64), ACROSS, indexing="ij")
-    profile = _profile(view, tip, direction, along, across, 0)
+    profile = _profile(view, tip, direction, _beside(radius_px), 0)
     if profile is None:
         return 0.0, math.nan
-    right, right_clear = _edge(profile, ACROSS, SIDE_PX)
-    left, left_clear = _edge(profile[::-1], ACROSS, SIDE_PX)
+    right, right_clear = _edge(profile, ACROSS_PX[0], SIDE_PX)
+    left, left_clear = _edge(profile[::-1], ACROSS_PX[0], SIDE_PX)
     if not (left_clear and right_clear):
         return 0.0, math.nan
     return min(max((right - left) / 2.0, -OFF_PX), OFF_PX), right + left
 
 
-def _profile(
-    view: _View, tip: Pixel, direction: Pixel, along: Floats, across: Floats, axis: int
-) -> Floats | None:
+@lru_cache(maxsize=16)
+def _behind(back_px: int, radius_px: float) -> Grid:
+    half = math.ceil(radius_px) + 1
+    return grid(np.arange(-back_px, -2), np.arange(-half, half + 1))
+
+
+@lru_cache(maxsize=16)
+def _ahead(radius_px: float) -> Grid:
+    half = math.floor(ROUND * radius_px)
+    straight = grid(np.arange(*AHEAD_PX), np.arange(-half, half + 1))
+    # Bent like the end itself, so that the edge lies at one place in all columns.
+    bend = radius_px - np.sqrt(radius_px**2 - straight.across**2)
+    return Grid((straight.along - bend).astype(np.float32), straight.across)
+
+
+@lru_cache(maxsize=16)
+def _beside(radius_px: float) -> Grid:
+    back = np.arange(-math.ceil(2.0 * radius_px), -math.floor(0.7 * radius_px))
+    return grid(back, np.arange(*ACROSS_PX))
+
+
+def _profile(view: _View, tip: Pixel, direction: Pixel, at: Grid, axis: int) -> Floats | None:
     """Average the excess over one direction, by what was measured; gaps are bridged."""
-    total = straight(view.excess, tip, direction, along, across).sum(axis=axis)
-    weight = straight(view.measured, tip, direction, along, across).sum(axis=axis)
-    seen = weight > 0.15 * along.shape[axis]
+    read = blended(view.layers, tip, direction, at)
+    total, weight = read.sum(axis=axis, dtype=np.float64).T
+    seen = weight > 0.15 * read.shape[axis]
     if np.count_nonzero(seen) < LEAST_ROWS:
         return None
-    at = np.arange(len(total), dtype=np.float64)
-    return np.interp(at, at[seen], total[seen] / weight[seen])
+    if seen.all():
+        return np.asarray(total / weight)
+    place = np.arange(len(total), dtype=np.float64)
+    return np.interp(place, place[seen], total[seen] / weight[seen])
 
 
-def _edge(profile: Floats, at: Floats, within: tuple[float, float]) -> tuple[float, bool]:
-    """Return where a profile rises most, half way up the step, and whether that is an edge."""
-    rise = np.full(len(profile), -np.inf)
-    rise[2:-2] = profile[3:-1] + profile[4:] - profile[:-4] - profile[1:-3]
-    rise[(at < within[0]) | (at > within[1])] = -np.inf
-    k = min(max(int(np.argmax(rise)), 3), len(profile) - 4)
-    low = 0.5 * (profile[k - 3] + profile[k - 2])
-    high = 0.5 * (profile[k + 2] + profile[k + 3])
+def _edge(profile: Floats, first_px: int, within_px: tuple[int, int]) -> tuple[float, bool]:
+    """Return where a profile rises most, half way up the step, and whether that is an edge.
+
+    `first_px`: where the profile begins; `within_px`: between which the edge must lie.
+    """
+    a, b = within_px[0] - first_px, within_px[1] - first_px + 1
+    rise = profile[a + 1 : b + 1] + profile[a + 2 : b + 2] - profile[a - 2 : b - 2]
+    rise -= profile[a - 1 : b - 1]
+    k = min(max(a + int(np.argmax(rise)), 3), len(profile) - 4)
+    near = profile[k - 3 : k + 4].tolist()
+    low, high = 0.5 * (near[0] + near[1]), 0.5 * (near[5] + near[6])
     half = 0.5 * (low + high)
-    for j in (k - 1, k, k - 2, k + 1):
-        if profile[j] < half <= profile[j + 1]:
-            share = (half - profile[j]) / (profile[j + 1] - profile[j])
-            return float(at[j] + share), bool(high - low > LEAST_STEP_MM)
-    return float(at[k]), False
+    for j in (2, 3, 1, 4):
+        if near[j] < half <= near[j + 1]:
+            share = (half - near[j]) / (near[j + 1] - near[j])
+            return first_px + k - 3 + j + share, high - low > LEAST_STEP_MM
+    return float(first_px + k), False
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, float]:
     """Return slope and offset at 0 of the line through points."""
-    dx = x - x.mean()
+    mean_x, mean_y = float(x.sum()) / x.size, float(y.sum()) / x.size
+    dx = x - mean_x
     slope = float(dx @ y / (dx @ dx))
-    return slope, float(y.mean()) - slope * float(x.mean())
+    return slope, mean_y - slope * mean_x
 
 
 def _moved(point: Pixel, direction: Pixel, along: float, across: float) -> Pixel:

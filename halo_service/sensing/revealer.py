@@ -7,30 +7,65 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.sensing.background import Part
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.sightings import Pixel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Revealed:
-    """The scene, told apart."""
+    """A part of the image, told apart."""
 
     excess_mm: NDArray[np.float32]
-    """(H, W) depth above the background, mm; 0 where unmeasured."""
+    """(h, w) depth above the background, mm; 0 where unmeasured."""
     halo: NDArray[np.bool_]
-    """(H, W) the surface seems dented here."""
+    """(h, w) the surface seems dented here."""
     hand: NDArray[np.bool_]
-    """(H, W) something stands above the surface here."""
+    """(h, w) something stands above the surface here."""
     free: NDArray[np.bool_]
-    """(H, W) nothing does."""
+    """(h, w) nothing does."""
+    left: int = 0
+    top: int = 0
+    """The first column and row in the image."""
+
+    @property
+    def rows(self) -> slice:
+        """Of the image."""
+        return slice(self.top, self.top + self.hand.shape[0])
+
+    @property
+    def columns(self) -> slice:
+        """Of the image."""
+        return slice(self.left, self.left + self.hand.shape[1])
+
+    def inside(self, image_px: Pixel) -> Pixel:
+        """Return where a place of the image is in these arrays."""
+        return image_px[0] - self.left, image_px[1] - self.top
+
+    def cut(self, part: Part) -> Revealed:
+        """Return a part of this part; `part` in its own rows and columns."""
+        return Revealed(
+            self.excess_mm[part],
+            self.halo[part],
+            self.hand[part],
+            self.free[part],
+            self.left + part[1].start,
+            self.top + part[0].start,
+        )
 
 
 def reveal(
-    excess_mm: NDArray[np.float32], settings: SensingSettings, measured_mm: float
+    excess_mm: NDArray[np.float32],
+    settings: SensingSettings,
+    measured_mm: float,
+    left: int = 0,
+    top: int = 0,
 ) -> Revealed:
     """Tell halo and hand apart by thresholds on the excess depth (paper 4.3.1).
 
-    `measured_mm`: the threshold that the calibration found; the settings may say another.
+    `measured_mm`: the threshold that the calibration found; the settings may say another;
+    `left`, `top`: the first column and row in the image.
     """
     halo = excess_mm > (settings.halo_threshold_mm or measured_mm)
     hand = excess_mm < -settings.hand_threshold_mm
-    return Revealed(excess_mm, halo, hand, ~hand)
+    return Revealed(excess_mm, halo, hand, ~hand, left, top)

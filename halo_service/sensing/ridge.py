@@ -15,14 +15,16 @@ from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
+from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.sightings import Pixel
+from halo_service.sensing.straight import Grid, grid, nearest
 from halo_service.values import Depth
 
-Pixel = tuple[float, float]
 Floats = NDArray[np.float64]
 
-BACK = np.arange(0.0, 44.0)
+BACK = np.arange(44)
 """Rows, px behind the tip: a flat finger's last two segments at 0.5 m."""
-SIDE = np.arange(-9.0, 10.0)
+SIDE = np.arange(-9, 10)
 """Columns, px beside the finger's line: half a finger more than a finger."""
 CREST_MM = 4.0
 """What is this near to a row's nearest pixel is ridge: a wedge under the finger is not."""
@@ -39,9 +41,10 @@ FINGER_MM = (3.0, 45.0)
 TAPER_DEG = 6.0
 """The upper side is steeper than the axis: a finger is thinner at its end (chosen: what the virtual
 hand shows at 45 degrees)."""
-NAIL = np.arange(-2.0, 3.0)
-"""Rows and columns, px, whose mean is the height of the upper side."""
-FAR = np.iinfo(np.uint16).max
+NAIL = grid(np.arange(-2, 3), np.arange(-2, 3))
+"""Pixels whose mean is the height of the upper side."""
+FAR = float(np.iinfo(np.uint16).max)
+AT = grid(-BACK, SIDE)
 
 
 class Angles(NamedTuple):
@@ -53,7 +56,7 @@ class Angles(NamedTuple):
 
 def angles(
     depth: Depth,
-    hand: NDArray[np.bool_],
+    revealed: Revealed,
     tip: Pixel,
     direction: Pixel,
     camera: Camera,
@@ -61,9 +64,9 @@ def angles(
 ) -> Angles | None:
     """Return pitch and yaw, or None where too little of the finger is measured.
 
-    `hand`: (H, W) mask; `tip`: the silhouette's end, px; `direction`: unit vector towards it.
+    `tip`: the silhouette's end, px; `direction`: unit vector towards it.
     """
-    ridge = _ridge(depth, hand, tip, direction)
+    ridge = _ridge(depth, revealed, tip, direction)
     if ridge is None:
         return None
     px, depth_mm = ridge
@@ -80,37 +83,28 @@ def angles(
     return Angles(pitch, math.degrees(math.atan2(across, -forward)))
 
 
-def height_behind(
-    excess_mm: NDArray[np.float32], tip: Pixel, direction: Pixel, back_px: float
-) -> float:
+def height_behind(revealed: Revealed, tip_px: Pixel, direction: Pixel, back_px: float) -> float:
     """Return how high the upper side is so far behind the tip, mm; nan where unmeasured.
 
     Read against the empty surface seen in the same pixels, so that what the camera always reads
     wrongly there cancels out.
     """
-    x = np.rint(tip[0] - (back_px + NAIL[:, None]) * direction[0] - NAIL * direction[1])
-    y = np.rint(tip[1] - (back_px + NAIL[:, None]) * direction[1] + NAIL * direction[0])
-    height, width = excess_mm.shape
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    read = excess_mm[y[inside].astype(np.intp), x[inside].astype(np.intp)]
-    read = read[read != 0.0]
-    return float(-read.mean()) if read.size else math.nan
+    at = Grid(NAIL.along - np.float32(back_px), NAIL.across)
+    read = nearest(revealed.excess_mm, revealed.inside(tip_px), direction, at, 0.0)
+    count = np.count_nonzero(read)
+    return -float(read.sum()) / count if count else math.nan
 
 
 def _ridge(
-    depth: Depth, hand: NDArray[np.bool_], tip: Pixel, direction: Pixel
+    depth: Depth, revealed: Revealed, tip: Pixel, direction: Pixel
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
     dx, dy = direction
-    x = np.rint(tip[0] - BACK[:, None] * dx - SIDE * dy).astype(np.intp)
-    y = np.rint(tip[1] - BACK[:, None] * dy + SIDE * dx).astype(np.intp)
-    height, width = depth.shape
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
-    seen = depth[y, x]
-    seen = np.where(inside & hand[y, x] & (seen > 0), seen, FAR).astype(np.float64)
-    crest = (seen <= seen.min(axis=1)[:, None] + CREST_MM) & (seen < FAR)
-    count = crest.sum(axis=1)
+    around = depth[revealed.rows, revealed.columns]
+    finger = np.where(np.logical_and(around, revealed.hand), around, np.float32(FAR))
+    seen = nearest(finger, revealed.inside(tip), direction, AT, FAR)
+    crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
+    count = np.count_nonzero(crest, axis=1)
     rows = count >= LEAST_PX
     if np.count_nonzero(rows) < LEAST_ROWS:
         return None

@@ -7,51 +7,25 @@ The hand tracker stands outside: it is stateful and late, and hands in what it l
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from halo_service.profile import Correction, Profile, TouchStates
-from halo_service.sensing.background import Drift, excess_depth, follow_drift
+from halo_service.profile import Correction, Profile
+from halo_service.sensing.background import Drift, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.dent import dent_beside
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract
-from halo_service.sensing.fingers import (
-    REMEMBERED,
-    Memory,
-    Past,
-    changes,
-    claim,
-    expect,
-    is_better,
-    meet,
-    sighted,
-    waiting,
-)
-from halo_service.sensing.fingertips import locate
+from halo_service.sensing.fingers import REMEMBERED, Memory, Past, changes, meet, waiting
 from halo_service.sensing.pointers import describe, follow, within_reach
-from halo_service.sensing.revealer import Revealed, reveal
-from halo_service.sensing.ridge import height_behind
+from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.sightings import sightings
 from halo_service.sensing.states import touch_level
-from halo_service.sensing.territory import (
-    Expected,
-    Shares,
-    is_finger,
-    share,
-    strip_end,
-    territory,
-)
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
 
-STILL = (0.0, 0.0)
-"""Where a finger is expected, it is expected now."""
-LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
-"""A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
-does not is surface."""
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
 """Name, width and height in mm of a surface that nobody has calibrated."""
 
@@ -68,28 +42,6 @@ class State:
     drift: Drift = Drift()  # noqa: RUF009 - frozen, so one default serves all
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Scene:
-    """What all fingers of a frame are sought in."""
-
-    frame: Frame
-    revealed: Revealed
-    shares: Shares
-    profile: Profile
-    settings: SensingSettings
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """One finger in the present frame."""
-
-    tip: Fingertip
-    own: Revealed
-    """The scene as far as it is this finger's."""
-    followed: bool
-    """Along its path, rather than where the tracker saw it anew."""
-
-
 def start(profile: Profile | None, settings: SensingSettings) -> State:
     """Return the state before the first frame."""
     return State(profile, settings)
@@ -100,30 +52,27 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     profile, settings = state.profile, state.settings
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
-    excess_mm = excess_depth(frame.depth, profile.background, state.drift.offset_mm)
-    revealed = reveal(excess_mm, settings, profile.halo_threshold_mm)
+    known = meet(state.fingers, sightings(tracked, settings.fingers), state.next_id)
+    scene = look(frame, known, profile, settings, state.drift.offset_mm)
     fingers: list[Memory] = []
     events: list[TouchEvent] = []
-    known = meet(state.fingers, sightings(tracked, settings.fingers), state.next_id)
-    places = [expect(finger, frame.time_us) for finger in known]
-    scene = Scene(frame, revealed, share(places, frame.depth.shape), profile, settings)
-    for number, (before, place) in enumerate(zip(known, places, strict=True)):
-        finger = follow_finger(before, place, number, scene)
+    for number, before in enumerate(known):
+        finger = follow_finger(before, number, scene)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
     next_id = max([state.next_id, *(finger.id + 1 for finger in fingers)])
     told = _frame(state, frame.time_us, fingers, events)
-    drift = follow_drift(state.drift, excess_mm, frame.time_us)
+    drift = follow_drift(state.drift, frame.depth, profile.background, frame.time_us)
     return told, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
 
 
-def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene) -> Memory | None:
+def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     """Take one finger through all stages into the present frame; None when it is gone."""
     profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
     states = profile.states(before.side)
     assert states is not None  # `step` senses with a whole profile alone
-    found = find(before, expected, number, scene, states)
+    found = find(before, number, scene, states)
     if found is None:
         return waiting(before, now_us, settings)
     tip = found.tip
@@ -145,45 +94,6 @@ def follow_finger(before: Memory, expected: Expected, number: int, scene: Scene)
         debounce=bounced,
         motion=motion,
     )
-
-
-def find(
-    finger: Memory, expected: Expected, number: int, scene: Scene, states: TouchStates
-) -> Found | None:
-    """Return a fingertip in the present frame, None where none shows."""
-    own = territory(scene.revealed, scene.shares, number, expected)
-    tip = _tip(finger, expected, own, scene, states)
-    claimed = claim(finger, scene.frame.time_us)
-    if claimed is not None and (tip is None or finger.astray):
-        there = territory(scene.revealed, scene.shares, number, claimed)
-        seen = _tip(finger, claimed, there, scene, states)
-        if seen is not None and is_better(finger, seen, tip):
-            return Found(seen, there, followed=False)
-    if tip is None:
-        farther = replace(expected, tip_px=strip_end(own.hand, expected))
-        tip = _tip(finger, farther, own, scene, states)
-    return None if tip is None else Found(tip, own, followed=True)
-
-
-def _tip(
-    finger: Memory, place: Expected, own: Revealed, scene: Scene, states: TouchStates
-) -> Fingertip | None:
-    """Return the fingertip about a place, or None where no finger is."""
-    sighting = sighted(finger, place)
-    tip = locate(
-        sighting,
-        STILL,
-        own,
-        scene.frame.depth,
-        scene.profile,
-        states.finger_thickness_mm,
-        states.tip_radius_mm,
-    )
-    behind_mm = height_behind(own.excess_mm, tip.tip_px, place.direction, JOINT_PX)
-    lies = behind_mm < LEAST_TOP_MM  # false for nan: unmeasured
-    # By its two sides, which stand out of the deepest dent; else by the flesh above the surface.
-    shows = math.isfinite(tip.width_mm) or is_finger(own.hand, tip.tip_px, place.direction)
-    return tip if shows and not lies else None
 
 
 def measure(revealed: Revealed, tip: Fingertip, correction: Correction | None) -> Signal:

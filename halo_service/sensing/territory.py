@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.sensing.background import Part
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.sightings import Pixel
 
@@ -39,7 +40,6 @@ BREADTH_PX = (4.0, 24.0)
 """Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with room)."""
 
 Owners = NDArray[np.uint8]
-Box = tuple[slice, slice]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,42 +58,70 @@ class Shares:
     """Whose each pixel is: the finger's number, or `NOBODY`."""
 
     halo: Owners
-    """(H, W) by the way to a finger's line from its tip on."""
+    """(h, w) by the way to a finger's line from its tip on."""
     hand: Owners
-    """(H, W) by the way to the line from a little behind the tip: what lies beyond a tip is flesh
+    """(h, w) by the way to the line from a little behind the tip: what lies beyond a tip is flesh
     of the finger beside, rather than of one that was expected farther out than it is."""
 
 
-def share(fingers: Sequence[Expected], shape: tuple[int, ...]) -> Shares:
-    """Give each pixel around the fingers to the nearest of them. `shape`: (H, W)."""
-    return Shares(_nearest(fingers, shape, 0.0), _nearest(fingers, shape, TIP_PX))
+def around(places: Sequence[Expected], shape: tuple[int, ...]) -> Part:
+    """Return the part of an image, (H, W), that holds all that is looked at for these places."""
+    boxes = [_box(place.tip_px, shape) for place in places]
+    return (
+        slice(
+            min((y.start for y, _ in boxes), default=0), max((y.stop for y, _ in boxes), default=0)
+        ),
+        slice(
+            min((x.start for _, x in boxes), default=0), max((x.stop for _, x in boxes), default=0)
+        ),
+    )
+
+
+def share(fingers: Sequence[Expected], revealed: Revealed) -> Shares:
+    """Give each pixel around the fingers to the nearest of them."""
+    shape = revealed.hand.shape
+    halo, hand = np.full(shape, NOBODY, np.uint8), np.full(shape, NOBODY, np.uint8)
+    if len(fingers) < 2:
+        return Shares(halo, hand)
+    halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
+    for number, finger in enumerate(fingers):
+        tip = revealed.inside(finger.tip_px)
+        box = _box(tip, shape)
+        dx, dy = _from(tip, box)
+        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
+        back, aside = -dx * ux - dy * uy, (dy * ux - dx * uy) ** 2
+        for owners, away, from_px in ((halo, halo_away, 0.0), (hand, hand_away, TIP_PX)):
+            off = back - np.clip(back, np.float32(from_px), np.float32(FINGER_PX))
+            own = aside + off * off
+            nearer = own < away[box]
+            np.copyto(away[box], own, where=nearer)
+            np.copyto(owners[box], np.uint8(number), where=nearer)
+    return Shares(halo, hand)
 
 
 def territory(revealed: Revealed, shares: Shares, number: int, place: Expected) -> Revealed:
     """Return the scene around a place, with nothing in it that is another finger's."""
-    box = _box(place, revealed.hand.shape)
-    halo, hand, free = (np.zeros(revealed.hand.shape, np.bool_) for _ in range(3))
+    tip = revealed.inside(place.tip_px)
+    box = _box(tip, revealed.hand.shape)
+    around = revealed.cut(box)
     open_to_it = _open(shares.halo[box], number)
-    np.logical_and(revealed.halo[box], open_to_it, out=halo[box])
-    np.logical_and(revealed.free[box], open_to_it, out=free[box])
-    np.logical_and(revealed.hand[box], _open(shares.hand[box], number), out=hand[box])
+    hand = around.hand & _open(shares.hand[box], number)
     if not math.isnan(place.top_mm):
-        dx, dy = _from(place.tip_px, box)
+        dx, dy = _from(tip, box)
         ahead = dx * np.float32(place.direction[0]) + dy * np.float32(place.direction[1])
-        high = -revealed.excess_mm[box] > place.top_mm + RISE_MM
-        hand[box] &= ~(high & (ahead > -TIP_PX))
-    return replace(revealed, halo=halo, hand=hand, free=free)
+        high = around.excess_mm < -(place.top_mm + RISE_MM)
+        hand &= ~(high & (ahead > -TIP_PX))
+    return replace(around, halo=around.halo & open_to_it, hand=hand, free=around.free & open_to_it)
 
 
-def strip_end(hand: NDArray[np.bool_], place: Expected) -> Pixel:
+def strip_end(revealed: Revealed, place: Expected) -> Pixel:
     """Return where the strip of hand along a finger's line ends, the expected tip where none is.
 
     It finds a tip that went farther along the finger than expected.
     """
-    box = _box(place, hand.shape)
-    dx, dy = (
-        np.broadcast_to(each, hand[box].shape)[hand[box]] for each in _from(place.tip_px, box)
-    )
+    rows, columns = np.nonzero(revealed.hand)
+    x, y = revealed.inside(place.tip_px)
+    dx, dy = columns - x, rows - y
     ux, uy = place.direction
     along = (dx * ux + dy * uy)[np.abs(dy * ux - dx * uy) <= STRIP_PX]
     if along.size < LEAST_PX:
@@ -102,12 +130,12 @@ def strip_end(hand: NDArray[np.bool_], place: Expected) -> Pixel:
     return place.tip_px[0] + end * ux, place.tip_px[1] + end * uy
 
 
-def is_finger(hand: NDArray[np.bool_], tip: Pixel, direction: Pixel) -> bool:
+def is_finger(revealed: Revealed, tip_px: Pixel, direction: Pixel) -> bool:
     """Say whether what ends at a tip is as broad as a finger.
 
-    `hand`: (H, W) mask; `direction`: unit vector from joint to tip.
+    `direction`: unit vector from joint to tip.
     """
-    dx, dy = direction
+    tip, hand, (dx, dy) = revealed.inside(tip_px), revealed.hand, direction
     x = np.rint(tip[0] - BACK_PX[:, None] * dx - ACROSS_PX * dy).astype(np.intp)
     y = np.rint(tip[1] - BACK_PX[:, None] * dy + ACROSS_PX * dx).astype(np.intp)
     height, width = hand.shape
@@ -117,28 +145,12 @@ def is_finger(hand: NDArray[np.bool_], tip: Pixel, direction: Pixel) -> bool:
     return BREADTH_PX[0] <= breadth <= BREADTH_PX[1]
 
 
-def _nearest(fingers: Sequence[Expected], shape: tuple[int, ...], from_px: float) -> Owners:
-    """Return the number of each pixel's nearest line; the lines begin `from_px` behind the tips."""
-    owners = np.full(shape, NOBODY, np.uint8)
-    away = np.full(shape, FAR, np.float32)
-    for number, finger in enumerate(fingers):
-        box = _box(finger, shape)
-        dx, dy = _from(finger.tip_px, box)
-        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
-        back = np.clip(-(dx * ux + dy * uy), np.float32(from_px), np.float32(FINGER_PX))
-        own = (dx + back * ux) ** 2 + (dy + back * uy) ** 2
-        nearer = own < away[box]
-        np.copyto(away[box], own, where=nearer)
-        owners[box][nearer] = number
-    return owners
-
-
 def _open(owners: Owners, number: int) -> NDArray[np.bool_]:
     return np.asarray((owners == number) | (owners == NOBODY))
 
 
-def _box(place: Expected, shape: tuple[int, ...]) -> Box:
-    column, row = round(place.tip_px[0]), round(place.tip_px[1])
+def _box(tip: Pixel, shape: tuple[int, ...]) -> Part:
+    column, row = round(tip[0]), round(tip[1])
     rows = slice(min(max(row - REACH_PX, 0), shape[0]), min(max(row + REACH_PX, 0), shape[0]))
     columns = slice(
         min(max(column - REACH_PX, 0), shape[1]), min(max(column + REACH_PX, 0), shape[1])
@@ -146,7 +158,7 @@ def _box(place: Expected, shape: tuple[int, ...]) -> Box:
     return rows, columns
 
 
-def _from(tip: Pixel, box: Box) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _from(tip: Pixel, box: Part) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return x, (1, w), and y, (h, 1), of a box's pixels from a tip, px."""
     x = np.arange(box[1].start, box[1].stop, dtype=np.float32) - np.float32(tip[0])
     y = np.arange(box[0].start, box[0].stop, dtype=np.float32) - np.float32(tip[1])

@@ -211,22 +211,11 @@ def test_the_svg_looks_as_the_png_does(say: Any, brush: Any) -> None:
     assert whole_picture >= 0.97
 
 
-FALLS_SHORT = pytest.mark.xfail(
-    strict=True,
-    reason="0.81: strands are bands with edges in the SVG, and blend into each other on the canvas",
-)
-
-
-@pytest.mark.parametrize(
-    "brush",
-    [
-        pytest.param(brush, id=brush.name, marks=[FALLS_SHORT] if brush.bristles > 1 else [])
-        for brush in BRUSHES
-    ],
-)
+@pytest.mark.parametrize("brush", BRUSHES, ids=lambda brush: brush.name)
 def test_the_svg_looks_as_the_png_does_where_paint_is(say: Any, brush: Any) -> None:
     _, painted_parts = svg_against_png(say, brush)
-    assert painted_parts >= 0.85
+    print(f"{brush.name}: {painted_parts:.3f}")
+    assert painted_parts >= 0.9
 
 
 def test_on_the_projector_paint_is_where_the_finger_is(say: Any) -> None:

@@ -9,7 +9,9 @@ import pytest
 
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
+from halo_service.sensing.revealer import reveal
 from halo_service.sensing.ridge import TAPER_DEG, angles
+from halo_service.sensing.settings import SensingSettings
 
 DISTANCE_MM, RADIUS_PX = 500.0, 7
 
@@ -40,9 +42,9 @@ def test_pitch_and_yaw_are_those_of_the_upper_side(
     depth = finger(pitch_deg, yaw_deg, wedge=wedge)
     yaw = math.radians(yaw_deg + 6.0)  # the landmarks' direction is some degrees off
     direction = (math.sin(yaw), -math.cos(yaw))
-    found = angles(
-        depth, depth < DISTANCE_MM - 4, (320.0, 288.0), direction, camera, profile.surface
-    )
+    excess = (depth - DISTANCE_MM).astype(np.float32)
+    revealed = reveal(excess, SensingSettings(), 8.0)
+    found = angles(depth, revealed, (320.0, 288.0), direction, camera, profile.surface)
     assert found is not None
     assert found.pitch_deg + TAPER_DEG == pytest.approx(pitch_deg, abs=4.0)
     assert found.yaw_deg == pytest.approx(yaw_deg, abs=3.5)
@@ -50,6 +52,6 @@ def test_pitch_and_yaw_are_those_of_the_upper_side(
 
 def test_where_no_finger_is_there_are_no_angles(camera: Camera, profile: Profile) -> None:
     empty = np.full((576, 640), 500, np.uint16)
-    hand = np.zeros_like(empty, dtype=bool)
+    nothing = reveal(np.zeros(empty.shape, np.float32), SensingSettings(), 8.0)
     for tip in ((320.0, 288.0), (-50.0, 700.0)):
-        assert angles(empty, hand, tip, (0.0, -1.0), camera, profile.surface) is None
+        assert angles(empty, nothing, tip, (0.0, -1.0), camera, profile.surface) is None

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from halo_service.sensing.revealer import reveal
+from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.territory import Expected, is_finger, share, strip_end, territory
 
@@ -27,13 +27,25 @@ def fingers(*tips: tuple[int, int], breadth: int = 14, height_mm: float = 20.0) 
     return excess
 
 
+def in_image(own: Revealed) -> Revealed:
+    """Put a finger's part of the image back where it was cut."""
+    around = (
+        (own.top, SHAPE[0] - own.top - own.hand.shape[0]),
+        (own.left, SHAPE[1] - own.left - own.hand.shape[1]),
+    )
+    masks = (np.pad(each, around) for each in (own.excess_mm, own.halo, own.hand, own.free))
+    return Revealed(*masks)
+
+
 @pytest.mark.parametrize("apart", [16, 24, 60])
 def test_neighbours_share_hand_and_halo(apart: int) -> None:
     excess = fingers((300, 300), (300 + apart, 310))
     revealed = reveal(excess, SensingSettings(), 8.0)
     places = [expected(300, 300), expected(300 + apart, 310)]
-    shares = share(places, SHAPE)
-    left, right = (territory(revealed, shares, n, place) for n, place in enumerate(places))
+    shares = share(places, revealed)
+    left, right = (
+        in_image(territory(revealed, shares, n, place)) for n, place in enumerate(places)
+    )
     assert not (left.halo & right.halo).any()
     assert not (left.hand & right.hand).any()
     assert left.hand[320, 294:306].all()
@@ -44,7 +56,7 @@ def test_neighbours_share_hand_and_halo(apart: int) -> None:
 def test_a_finger_expected_too_far_out_takes_nothing_of_the_finger_beside() -> None:
     revealed = reveal(fingers((300, 330), (316, 300)), SensingSettings(), 8.0)
     places = [expected(300, 318), expected(316, 300)]
-    own = territory(revealed, share(places, SHAPE), 0, places[0])
+    own = in_image(territory(revealed, share(places, revealed), 0, places[0]))
     assert not own.hand[300:325].any()
 
 
@@ -53,28 +65,30 @@ def test_what_stands_far_above_a_fingertip_is_another_part_of_the_hand() -> None
     excess[280:320, 310:330] = -60.0
     revealed = reveal(excess, SensingSettings(), 8.0)
     place = expected(300, 300, top_mm=20.0)
-    own = territory(revealed, share([place], SHAPE), 0, place)
+    own = in_image(territory(revealed, share([place], revealed), 0, place))
     assert not own.hand[280:300].any()
     assert own.hand[302, 300]
 
 
 @pytest.mark.parametrize("off", [-40, -20, 0, 15])
 def test_a_tip_that_went_farther_along_its_line_is_found(off: int) -> None:
-    hand = fingers((300, 300)) < 0
-    assert strip_end(hand, expected(300, 300 + off))[1] == pytest.approx(300.0, abs=3.0)
+    revealed = reveal(fingers((300, 300)), SensingSettings(), 8.0)
+    assert strip_end(revealed, expected(300, 300 + off))[1] == pytest.approx(300.0, abs=3.0)
 
 
 def test_where_no_hand_is_the_tip_stays_where_it_was_expected() -> None:
-    assert strip_end(np.zeros(SHAPE, bool), expected(-20, 900)) == (-20, 900)
+    empty = reveal(np.zeros(SHAPE, np.float32), SensingSettings(), 8.0)
+    assert strip_end(empty, expected(-20, 900)) == (-20, 900)
 
 
 @pytest.mark.parametrize(
     ("breadth", "finger"), [(0, False), (2, False), (8, True), (14, True), (20, True), (28, False)]
 )
 def test_a_finger_is_as_broad_as_a_finger(breadth: int, finger: bool) -> None:
-    hand = fingers((300, 300), breadth=breadth) < 0
-    assert is_finger(hand, (300.0, 300.0), UP) is finger
+    revealed = reveal(fingers((300, 300), breadth=breadth), SensingSettings(), 8.0)
+    assert is_finger(revealed, (300.0, 300.0), UP) is finger
 
 
 def test_outside_the_image_is_no_finger() -> None:
-    assert not is_finger(np.ones(SHAPE, bool), (-50.0, 700.0), UP)
+    hand = reveal(np.full(SHAPE, -20.0, np.float32), SensingSettings(), 8.0)
+    assert not is_finger(hand, (-50.0, 700.0), UP)

@@ -6,6 +6,7 @@ the mixer belongs to that thread alone.
 
 from __future__ import annotations
 
+import gc
 import queue
 import sys
 import time
@@ -25,6 +26,8 @@ PERIOD_MS = 5
 """What the device asks for at once: as near to a block as whole milliseconds come."""
 PERIODS = 4
 """Periods that the device keeps ready; later than all of them, there is a gap."""
+LATENCY_S = PERIODS * PERIOD_MS / 1000
+"""What a hit waits at most for the sound before it."""
 SWITCH_S = 0.0005
 """Python hands over between threads so often, not every 5 ms: that would be a whole block."""
 
@@ -46,6 +49,8 @@ class Speakers:
         """Sound that the device has asked for."""
         self.gaps = 0
         """Times that the device had nothing to play."""
+        self.latest_s = 0.0
+        """Longest time that a piece came late; past `LATENCY_S` there is a gap."""
         self.slowest = 0.0
         """Longest time that making a piece of sound took, over the time that it plays."""
         try:
@@ -65,6 +70,9 @@ class Speakers:
             self._device.close()
             raise SoundError(_no_device("none was found"))
         sys.setswitchinterval(SWITCH_S)
+        # Looking through all that was loaded takes the collector longer than a block lasts.
+        gc.collect()
+        gc.freeze()
         stream = self._stream()
         next(stream)
         self._device.start(stream)
@@ -102,7 +110,8 @@ class Speakers:
         self.made_s += samples / RATE
         self.slowest = max(self.slowest, (now_s - began_s) * RATE / samples)
         behind_s = now_s - self._began_s - self._played / RATE
-        if behind_s > PERIODS * PERIOD_MS / 1000:
+        self.latest_s = max(self.latest_s, behind_s)
+        if behind_s > LATENCY_S:
             self.gaps += 1
             self._began_s, self._played = now_s, 0
 

@@ -20,8 +20,10 @@ GREYS = 32
 """Steps of ink along a strand."""
 OVERLAP = 0.3
 """Of neighbouring strands, in their width: no paper shows between them."""
-TURN = 0.7
+TURN = 0.5
 """Change of direction between two points, radians, above which a disc rounds the outer edge."""
+TAPER = 0.5
+"""Change of the radius over the way, above which a disc rounds the wider end."""
 
 
 def to_svg(
@@ -40,7 +42,7 @@ def to_svg(
 
 
 def _stroke(stroke: Stroke, number: int) -> Iterator[str]:
-    piece = _thinned(whole(stroke))
+    piece = _seen(_thinned(whole(stroke)))
     reach = float(piece.radius.max()) + 1.0
     left, top = float(piece.x.min()) - reach, float(piece.y.min()) - reach
     right, low = float(piece.x.max()) + reach, float(piece.y.max()) + reach
@@ -61,6 +63,17 @@ def _thinned(piece: Piece) -> Piece:
     count = max(2, 1 + round(float(along[-1]) / SPACING_MM))
     wanted = np.searchsorted(along, np.linspace(0.0, along[-1], count))
     keep = np.unique(np.concatenate([[0], wanted, [len(along) - 1]]).clip(0, len(along) - 1))
+    return _kept(piece, keep)
+
+
+def _seen(piece: Piece) -> Piece:
+    """Without what lies within a wider place: a finger that lifts off where it has pressed."""
+    apart = np.hypot(piece.x[:, None] - piece.x, piece.y[:, None] - piece.y)
+    hidden = (apart + piece.radius[:, None] < piece.radius).any(axis=1)
+    return _kept(piece, np.flatnonzero(~hidden))
+
+
+def _kept(piece: Piece, keep: NDArray[np.intp]) -> Piece:
     return Piece(
         piece.x[keep], piece.y[keep], piece.radius[keep], piece.direction[keep], piece.ink[keep]
     )
@@ -84,10 +97,11 @@ def _strand(piece: Piece, strand: int, count: int) -> Iterator[str]:
 
 
 def _discs(piece: Piece) -> Iterator[str]:
-    """Round ends, and round corners where the stroke turns sharply."""
+    """Round ends, and round corners where the stroke turns or narrows sharply."""
     last = len(piece.x) - 1
     turns = np.abs(np.angle(np.exp(1j * np.diff(piece.direction))))
-    sharp = np.flatnonzero(turns > TURN)
+    steps = np.hypot(np.diff(piece.x), np.diff(piece.y))
+    sharp = np.flatnonzero((turns > TURN) | (np.abs(np.diff(piece.radius)) > TAPER * steps))
     for n in sorted({0, last, *sharp.tolist(), *(sharp + 1).tolist()}):
         shade = _grey(round(GREYS * float(np.median(piece.ink[n]))))
         yield (

@@ -11,9 +11,10 @@ import pygame
 
 from halo_client import Placing
 from halo_paint.brushes import PAPER, Brush, Colour, width_mm
-from halo_paint.canvas import Box, Canvas
+from halo_paint.canvas import Canvas
 from halo_paint.painter import Change, News, Painter
 from halo_paint.palette import CELLS, Cell, Wish
+from halo_paint.sweep import Box
 from halo_protocol import Pointer
 from halo_window import Placed
 

@@ -101,7 +101,7 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
             pointers.append(pointer_of(known, told_spot, touching, profile.surface, seconds))
             smoothed[known.id] = height_mm
     frame_told, told = tell(state.told, pointers, frame.time_us, profile)
-    drift = follow_drift(state.drift, -above, frame.time_us)
+    drift = follow_drift(state.drift, frame.depth, profile.background, frame.time_us)
     return frame_told, replace(state, told=told, height_mm=smoothed, drift=drift)
 
 

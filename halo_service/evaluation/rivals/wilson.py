@@ -90,7 +90,7 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
             pointers.append(pointer)
             missed[pointer.id] = state.missed[pointer.id] + 1
     frame_told, told = tell(state.told, pointers, frame.time_us, profile)
-    drift = follow_drift(state.drift, -above, frame.time_us)
+    drift = follow_drift(state.drift, frame.depth, profile.background, frame.time_us)
     return frame_told, replace(state, told=told, missed=missed, drift=drift)
 
 

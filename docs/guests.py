@@ -1,0 +1,143 @@
+"""Draw the pictures of the guests' READMEs: virtual hands, sensed as the service senses them.
+
+    uv run python docs/guests.py [FOLDER]
+
+Writes clients/paint/painting.svg and clients/drums/session.svg; with a folder, also the streams
+and the sound in it. Takes a few minutes; the same code gives the same pictures.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Literal
+
+import matplotlib as mpl
+
+mpl.use("svg")  # before pyplot: no window, no display
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+import halo_client
+from halo_client import FileSource
+from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_drums.kit import KIT
+from halo_drums.player import Hit, Player, Shape
+from halo_drums.render import render, write_wav
+from halo_drums.voices import RATE
+from halo_paint.painter import Painter
+from halo_paint.render import painted, save
+from halo_protocol import TouchFrame
+from halo_service.app.config import Settings
+from halo_service.app.eyes import Eyes
+from halo_service.app.virtual_profile import virtual_profile
+from halo_service.outputs.jsonl import frame_line
+from halo_service.runtime.lockstep import replay
+from halo_service.runtime.method import OURS
+from halo_service.sources import EndOfSource
+from halo_service.values import Frame
+from halo_service.virtual.naming import wish
+from halo_service.virtual.offline import Take
+
+CLIENTS = Path(__file__).parents[1] / "clients"
+PAINTING, DRUMMING = "sim:painting?seed=3", "sim:drumming?seed=3"
+PAINTING_S, DRUMMING_S = 14.0, 7.5
+DARK, LIGHT = "#0e0e12", "#e8e8ee"
+TALLEST = 300.0
+"""Area of the loudest hit's dot, in points."""
+
+
+class Played:
+    """A take as a source."""
+
+    kind: Literal["virtual"] = "virtual"
+
+    def __init__(self, take: Take) -> None:
+        self.camera = take.camera
+        self._frames: Iterator[Frame] = (seen for seen, _ in take if seen is not None)
+
+    def read(self, timeout_s: float) -> Frame:
+        """The next frame, at once."""
+        for seen in self._frames:
+            return seen
+        raise EndOfSource
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+def sensed(name: str, seconds: float, path: Path) -> list[TouchFrame]:
+    """A scenario as a guest is told of it; its stream is left at `path`."""
+    wished = wish(name)
+    source = Played(Take(wished, seconds, colour=False))
+    profile = virtual_profile(wished.room, Settings())
+    with closing(Eyes(source.camera, profile, Settings().tracking)) as eyes:
+        state = OURS.start(profile, Settings().sensing)
+        told = replay(source, eyes.look, OURS, state)
+        path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(told)))
+    return list(halo_client.frames(FileSource(path, paced=False)))
+
+
+def draw_session(frames: list[TouchFrame], folder: Path) -> None:
+    """Hits on their pads, the height of the other hand, and the sound that comes of both."""
+    player = Player()
+    gestures = [gesture for frame in frames for gesture in player.take(frame)]
+    sound = render(frames)
+    write_wav(folder / "drumming.wav", sound)
+    first_us = frames[0].time_us
+    figure, (pads, hand, wave) = plt.subplots(
+        3, 1, sharex=True, figsize=(9, 5), height_ratios=(3, 1.2, 1.2), facecolor=DARK
+    )
+    for row, pad in enumerate(KIT):
+        hits = [each for each in gestures if isinstance(each, Hit) and each.pad.name == pad.name]
+        at_s = [(each.time_us - first_us) / 1e6 for each in hits]
+        colour = tuple(part / 255 for part in pad.colour)
+        pads.axhline(row, color=colour, lw=0.6, alpha=0.5)
+        pads.scatter(at_s, [row] * len(hits), [TALLEST * each.level for each in hits], [colour])
+    pads.set_yticks(range(len(KIT)), [pad.name for pad in KIT])
+    shapes = [each for each in gestures if isinstance(each, Shape)]
+    hand.plot([(each.time_us - first_us) / 1e6 for each in shapes],
+              [each.height for each in shapes], color="#ffeb96")  # fmt: skip
+    hand.set(ylim=(-0.05, 1.05), ylabel="other hand")
+    hand.set_yticks((0, 1), ("deep", "sharp"))
+    # A point each 4 ms is as fine as the picture.
+    pieces = np.abs(sound[: len(sound) // 192 * 192]).max(axis=1).reshape(-1, 192).max(axis=1)
+    times = np.arange(len(pieces)) * 192 / RATE
+    wave.fill_between(times, -pieces, pieces, color=LIGHT, lw=0)
+    wave.set(xlabel="s", ylabel="sound", yticks=())
+    for axis in (pads, hand, wave):
+        dress(axis)
+    figure.align_ylabels()
+    figure.tight_layout()
+    figure.savefig(CLIENTS / "drums" / "session.svg", metadata={"Date": None, "Creator": None})
+
+
+def dress(axis: Axes) -> None:
+    """Light on dark, without a frame."""
+    axis.set_facecolor(DARK)
+    axis.tick_params(colors=LIGHT, length=0)
+    for label in (axis.xaxis.label, axis.yaxis.label):
+        label.set_color(LIGHT)
+    for spine in axis.spines.values():
+        spine.set_visible(False)
+
+
+def main(folder: Path) -> None:
+    """Both pictures."""
+    mpl.rcParams["svg.hashsalt"] = "halo"  # the same bytes on every run
+    strokes = painted(sensed(PAINTING, PAINTING_S, folder / "painting.jsonl"), Painter(vary=True))
+    save(CLIENTS / "paint" / "painting.svg", strokes, WIDTH_MM, HEIGHT_MM)
+    draw_session(sensed(DRUMMING, DRUMMING_S, folder / "drumming.jsonl"), folder)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        main(Path(sys.argv[1]))
+    else:
+        with tempfile.TemporaryDirectory() as nowhere:
+            main(Path(nowhere))

@@ -1,0 +1,112 @@
+"""The part of a frame that fingers can be in, and where in it each of them is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from halo_service.profile import Profile, TouchStates
+from halo_service.sensing.background import excess_depth
+from halo_service.sensing.fingers import Memory, claim, expect, is_better, sighted
+from halo_service.sensing.fingertips import locate
+from halo_service.sensing.revealer import Revealed, reveal
+from halo_service.sensing.ridge import height_behind
+from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.territory import (
+    Expected,
+    Shares,
+    around,
+    is_finger,
+    share,
+    strip_end,
+    territory,
+)
+from halo_service.values import Fingertip, Frame
+
+STILL = (0.0, 0.0)
+"""Where a finger is expected, it is expected now."""
+LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
+"""A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
+does not is surface."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What all fingers of a frame are sought in."""
+
+    frame: Frame
+    places: tuple[Expected, ...]
+    """By each finger's own path."""
+    claims: tuple[Expected | None, ...]
+    """By the tracker, where it has lately seen a finger that has a path."""
+    revealed: Revealed
+    """The part around all of these places."""
+    shares: Shares
+    profile: Profile
+    settings: SensingSettings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """One finger in the present frame."""
+
+    tip: Fingertip
+    own: Revealed
+    """The scene as far as it is this finger's."""
+    followed: bool
+    """Along its path, rather than where the tracker saw it anew."""
+
+
+def look(
+    frame: Frame,
+    fingers: Sequence[Memory],
+    profile: Profile,
+    settings: SensingSettings,
+    drift_mm: float,
+) -> Scene:
+    """Reveal what is around the fingers. `drift_mm`: see `excess_depth`."""
+    places = tuple(expect(finger, frame.time_us) for finger in fingers)
+    claims = tuple(claim(finger, frame.time_us) for finger in fingers)
+    part = around((*places, *(each for each in claims if each)), frame.depth.shape)
+    excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
+    rows, columns = part
+    threshold_mm = profile.halo_threshold_mm
+    revealed = reveal(excess_mm, settings, threshold_mm, columns.start, rows.start)
+    return Scene(frame, places, claims, revealed, share(places, revealed), profile, settings)
+
+
+def find(finger: Memory, number: int, scene: Scene, states: TouchStates) -> Found | None:
+    """Return a fingertip in the present frame, None where none shows."""
+    expected, claimed = scene.places[number], scene.claims[number]
+    own = territory(scene.revealed, scene.shares, number, expected)
+    tip = _tip(finger, expected, own, scene, states)
+    if claimed is not None and (tip is None or finger.astray):
+        there = territory(scene.revealed, scene.shares, number, claimed)
+        seen = _tip(finger, claimed, there, scene, states)
+        if seen is not None and is_better(finger, seen, tip):
+            return Found(seen, there, followed=False)
+    if tip is None:
+        farther = replace(expected, tip_px=strip_end(own, expected))
+        tip = _tip(finger, farther, own, scene, states)
+    return None if tip is None else Found(tip, own, followed=True)
+
+
+def _tip(
+    finger: Memory, place: Expected, own: Revealed, scene: Scene, states: TouchStates
+) -> Fingertip | None:
+    """Return the fingertip about a place, or None where no finger is."""
+    tip = locate(
+        sighted(finger, place),
+        STILL,
+        own,
+        scene.frame.depth,
+        scene.profile,
+        states.finger_thickness_mm,
+        states.tip_radius_mm,
+    )
+    behind_mm = height_behind(own, tip.tip_px, place.direction, JOINT_PX)
+    lies = behind_mm < LEAST_TOP_MM  # false for nan: unmeasured
+    # By its two sides, which stand out of the deepest dent; else by the flesh above the surface.
+    shows = math.isfinite(tip.width_mm) or is_finger(own, tip.tip_px, place.direction)
+    return tip if shows and not lies else None

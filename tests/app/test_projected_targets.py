@@ -26,7 +26,7 @@ from tests.filmed import Film
 pytestmark = pytest.mark.slow
 
 SEED = 205
-TARGETS = [(420.0, 280.0), (880.0, 320.0), (650.0, 400.0), (450.0, 520.0)]
+TARGETS = [(x, y) for y in (280.0, 520.0) for x in (420.0, 650.0, 880.0)]
 """In the projector's pixels."""
 READY_S = 1.5
 """From a cue to the finger that holds its state."""

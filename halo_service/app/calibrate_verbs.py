@@ -15,12 +15,9 @@ from halo_service.errors import UserError
 if TYPE_CHECKING:
     from halo_service.app.calibrate_place import PlaceWish
 
-STOPPED = 130
-"""Exit code of what Ctrl-C ended before it was done."""
-
 
 def calibrate(options: argparse.Namespace) -> int:
-    """Exit code 130 after Ctrl-C, as a shell's: what is missing is still missing."""
+    """Teach the service a place and a finger; after Ctrl-C what is missing is still missing."""
     from halo_calibration.touch import Stated
     from halo_service.app.calibrate import Wish, pilot
     from halo_service.app.calibrate import calibrate as teach
@@ -33,14 +30,10 @@ def calibrate(options: argparse.Namespace) -> int:
     side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
     settings = replace(settings, profile=options.profile or settings.profile, source=source)
     wish = Wish(options.step, options.script, stated, side, options.base, _places(options))
-    try:
-        if options.step == "pilot":
-            pilot(settings, options.rounds, options.round_s)
-        else:
-            teach(settings, wish)
-    except KeyboardInterrupt:
-        print("\nhalo: stopped; the steps that were done are kept", file=sys.stderr)
-        return STOPPED
+    if options.step == "pilot":
+        pilot(settings, options.rounds, options.round_s)
+    else:
+        teach(settings, wish)
     return 0
 
 

@@ -12,6 +12,9 @@ from halo_service.app.options import parser
 from halo_service.app.threads import hold_to_one
 from halo_service.errors import UserError
 
+STOPPED = 130
+"""Exit code of what Ctrl-C or SIGTERM ended before it was done, as a shell's."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code."""
@@ -43,7 +46,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"halo: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        return 0
+        if options.verb == "serve":
+            return 0  # a service is not done before somebody ends it
+        print("\nhalo: stopped before it was done; what is complete is kept", file=sys.stderr)
+        return STOPPED
 
 
 def _speak(level: int) -> None:

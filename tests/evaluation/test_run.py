@@ -65,7 +65,7 @@ def quick(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes where Linux tells them")
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 0), (signal.SIGKILL, -9)]
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -9)]
 )
 def test_whatever_ends_a_run_its_processes_end_and_nothing_half_written_stays(
     quick: subprocess.Popen[str], tmp_path: Path, number: signal.Signals, code: int

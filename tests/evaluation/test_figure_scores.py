@@ -81,6 +81,14 @@ def test_frames_without_a_pointer_are_unseen_rather_than_accurate():
     assert silent.unseen == 1.0
 
 
+def test_a_half_curled_finger_that_hangs_lower_is_not_the_one_that_is_held():
+    hanging = finger(finger="middle", x_mm=125.0, height_mm=4.0)
+    fingers = everywhere([finger(height_mm=10.0), hanging])
+    told = told_frames(COUNT, pointers=everywhere([pointer(hover_mm=9.0)]))
+    trial = score_levels(told, truth_of(truth_frames(COUNT, fingers)), [STEP])[0]
+    assert (trial.error, trial.unseen) == pytest.approx((1.0, 0.0))
+
+
 def test_a_pointer_of_another_finger_is_no_reading():
     assert held(10.0, everywhere([pointer(x_mm=150.0)])).unseen == 1.0
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
@@ -31,9 +29,3 @@ def pairs(frame: TouchFrame | None, true: TrueFrame | None) -> list[Pair]:
         for row, column in zip(*linear_sum_assignment(away), strict=True)
         if away[row, column] < FAR_MM
     ]
-
-
-def lowest(followed: Sequence[Pair], true: TrueFrame) -> Pair | None:
-    """Return the pair of the finger that is lowest of all; None where that one has no pointer."""
-    finger = min(true.fingers, key=lambda each: each.height_mm, default=None)
-    return next((pair for pair in followed if pair[0] is finger), None)

@@ -13,9 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from halo_service.evaluation.scores.followed import Pair, lowest, pairs
+from halo_service.evaluation.scores.followed import Pair, pairs
 from halo_service.evaluation.scores.truth import Line, TrueFinger, TrueFrame, Truth
-from halo_service.values import Pointer, Touch, TouchFrame
+from halo_service.values import Finger, Pointer, Side, Touch, TouchFrame
 
 FULL_G = 385.0
 """The paper's phone weighs no more (5.2.2); errors of force are shares of it."""
@@ -23,6 +23,9 @@ SMOOTH_MM = 3.0
 """Chosen: a finger that rises or sinks less than this from frame to frame moves smoothly."""
 SEAM_MM = 60.0
 """Chosen: jumps are looked for up to here, well past the halo's reach."""
+
+Who = tuple[Side, Finger]
+"""One finger of one hand."""
 
 LEVELS = {"hover": "height_mm", "pressure": "force_g"}
 """Step of the script -> the field that says its level."""
@@ -88,10 +91,12 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
     kind = step["step"]
     begin, end = start_us + 1e6 * step["from_s"], start_us + 1e6 * step["to_s"]
     within = [frame for frame in frames if begin <= frame.time_us <= end]
-    found = [_pair(frame, truth.at(frame.time_us)) for frame in within]
+    trues = [truth.at(frame.time_us) for frame in within]
+    level = float(step[LEVELS[kind]])
+    who = _holder(kind, level, [true for true in trues if true is not None])
+    found = [_pair(frame, true, who) for frame, true in zip(within, trues, strict=True)]
     seen = [_reading(kind, *pair) for pair in found if pair is not None]
     unseen = 1.0 - len(seen) / len(found) if found else 1.0
-    level = float(step[LEVELS[kind]])
     if not seen:
         return Trial(kind, level, np.nan, np.nan, np.nan, unseen)
     told, true = np.array(seen).T
@@ -101,8 +106,21 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
     )
 
 
-def _pair(frame: TouchFrame, true: TrueFrame | None) -> Pair | None:
-    return lowest(pairs(frame, true), true) if true else None
+def _holder(kind: str, level: float, trues: Sequence[TrueFrame]) -> Who | None:
+    """Return whose true height or force kept nearest to what was asked for.
+
+    Not the lowest finger: beside a finger held at 15 mm, half-curled ones hang lower.
+    """
+    away: dict[Who, list[float]] = {}
+    for finger in (each for true in trues for each in true.fingers):
+        held = finger.height_mm if kind == "hover" else finger.force_g
+        away.setdefault((finger.side, finger.finger), []).append(abs(held - level))
+    return min(away, key=lambda who: float(np.mean(away[who])), default=None)
+
+
+def _pair(frame: TouchFrame, true: TrueFrame | None, who: Who | None) -> Pair | None:
+    followed = pairs(frame, true)
+    return next((pair for pair in followed if (pair[0].side, pair[0].finger) == who), None)
 
 
 def _reading(kind: str, finger: TrueFinger, pointer: Pointer) -> tuple[float, float]:

@@ -41,7 +41,7 @@ Look = Callable[[Frame], Tracked]
 LookWith = Callable[[Camera, Profile | None, int], AbstractContextManager[Look]]
 """A hand tracker for a camera, over a profile where it is known, for that many hands."""
 
-TAKES_VERSION = 1
+TAKES_VERSION = 2
 """Grows when the virtual Kinect, the hand tracker's picture or what is kept of a take changes in
 what it gives. A number that somebody raises on purpose: a hash of the sources would throw hours of
 drawing away for a comment."""

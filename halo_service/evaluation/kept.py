@@ -23,6 +23,7 @@ from halo_service.files import appearing
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Background
+from halo_service.sensing.background import DRIFT_GRID
 from halo_service.values import Depth, Frame, Hand, Side, Tracked
 
 Line = dict[str, Any]
@@ -38,8 +39,8 @@ LEAST_PX = 3
 """Fewer such pixels in a row or column are noise."""
 SURFACE_MM = 15.0
 """What reads within this of the background tells the device's drift."""
-GRID_PX = 8
-"""Every eighth pixel tells it well enough."""
+LATTICE: tuple[slice, slice] = DRIFT_GRID
+"""Pixels that are kept as they were wherever they lie: the sensing reads the drift off them."""
 
 Box = tuple[int, int, int, int]
 """left, top, right, bottom, px; right and bottom outside."""
@@ -53,8 +54,8 @@ class Capture:
     box: Box
     png: bytes
     """The depth inside the box."""
-    drift_mm: float
-    """How much farther the device read than the background, outside the box."""
+    lattice: Depth
+    """The depth of the pixels of `LATTICE`."""
     hands: tuple[Hand, ...]
     """What the tracker saw in this very frame."""
 
@@ -73,24 +74,20 @@ def keep(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> 
     excess = np.where(
         (frame.depth > 0) & background.valid, frame.depth - background.mean_mm, np.float32(0.0)
     )
-    box = _window(excess, tracked.hands, reach)
-    grid = excess[::GRID_PX, ::GRID_PX]
-    surface = grid[(np.abs(grid) < SURFACE_MM) & (grid != 0.0)]
-    drift_mm = float(np.median(surface)) if surface.size else 0.0
-    return Capture(frame.time_us, box, _png(frame.depth, box), drift_mm, tracked.hands)
+    return _capture(frame, tracked, _window(excess, tracked.hands, reach))
 
 
 def keep_whole(frame: Frame, tracked: Tracked) -> Capture:
     """Keep every pixel: what a background is made of."""
     height, width = frame.depth.shape
-    box = (0, 0, width, height)
-    return Capture(frame.time_us, box, _png(frame.depth, box), 0.0, tracked.hands)
+    return _capture(frame, tracked, (0, 0, width, height))
 
 
 def restore(capture: Capture, background: Background) -> tuple[Frame, Tracked]:
     """Give the frame and what the tracker saw in it."""
-    surface = np.rint(background.mean_mm + np.float32(capture.drift_mm))
+    surface = np.rint(background.mean_mm + _drift_mm(capture.lattice, background))
     depth = np.where(background.valid, surface, np.float32(0.0)).astype(np.uint16)
+    depth[LATTICE] = capture.lattice
     left, top, right, bottom = capture.box
     if right > left and bottom > top:
         data = np.frombuffer(capture.png, np.uint8)
@@ -121,7 +118,7 @@ def save(path: Path, kept: Kept, made: str) -> None:
             file,
             time_us=np.array([each.time_us for each in captures], np.int64),
             box=np.array([each.box for each in captures], np.int32).reshape(-1, 4),
-            drift_mm=np.array([each.drift_mm for each in captures], np.float64),
+            lattice=np.array([each.lattice for each in captures], np.uint16),
             png=np.frombuffer(b"".join(each.png for each in captures), np.uint8),
             png_end=ends,
             hand_frame=np.array([index for index, _ in hands], np.int64),
@@ -158,12 +155,12 @@ def load(path: Path) -> Kept:
     blob, ends = data["png"].tobytes(), data["png_end"].tolist()
     starts = [0, *ends[:-1]]
     captures = tuple(
-        Capture(time_us, tuple(box), blob[start:end], drift_mm, tuple(by_frame.get(index, ())))
-        for index, (time_us, box, drift_mm, start, end) in enumerate(
+        Capture(time_us, tuple(box), blob[start:end], lattice, tuple(by_frame.get(index, ())))
+        for index, (time_us, box, lattice, start, end) in enumerate(
             zip(
                 data["time_us"].tolist(),
                 data["box"].tolist(),
-                data["drift_mm"].tolist(),
+                data["lattice"],
                 starts,
                 ends,
                 strict=True,
@@ -177,6 +174,18 @@ def load(path: Path) -> Kept:
 def played(kept: Kept, background: Background) -> Iterator[tuple[Frame, Tracked]]:
     """Yield each kept frame with what the tracker saw in it."""
     return (restore(capture, background) for capture in kept.captures)
+
+
+def _capture(frame: Frame, tracked: Tracked, box: Box) -> Capture:
+    lattice = frame.depth[LATTICE].copy()  # a view would keep the whole frame in memory
+    return Capture(frame.time_us, box, _png(frame.depth, box), lattice, tracked.hands)
+
+
+def _drift_mm(lattice: Depth, background: Background) -> np.float32:
+    """Return how much farther the device read than the background."""
+    off_mm = lattice - background.mean_mm[LATTICE]
+    surface = off_mm[(lattice > 0) & background.valid[LATTICE] & (np.abs(off_mm) < SURFACE_MM)]
+    return np.float32(np.median(surface)) if surface.size else np.float32(0.0)
 
 
 def _window(excess: NDArray[np.float32], hands: Sequence[Hand], reach: Box) -> Box:

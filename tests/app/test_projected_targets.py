@@ -23,7 +23,7 @@ from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.room import Room, draw_room
 from tests.filmed import Film
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 SEED = 205
 TARGETS = [(x, y) for y in (280.0, 520.0) for x in (420.0, 650.0, 880.0)]

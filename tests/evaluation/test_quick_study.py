@@ -12,7 +12,7 @@ import pytest
 
 from halo_service.evaluation.rivals import METHODS
 
-pytestmark = pytest.mark.study
+pytestmark = pytest.mark.long
 
 HALO = Path(sys.executable).with_name("halo")
 RIVALS = tuple(name for name in METHODS if name != "ours")

@@ -25,9 +25,9 @@ from halo_service.virtual.room import Room
 
 CORNERS_PX = ((200.0, 220.0), (440.0, 220.0), (440.0, 380.0), (200.0, 380.0))
 SIZE = (1280, 800)
-NEARER = (500.0 - 14.0) / 500.0
-"""A drawn finger is 14 mm thick, so the same pixels lie nearer together by up to that share,
-depending on whether its outline or the table around it is measured."""
+NEARER = (500.0 - 8.0) / 500.0
+"""The middle of a drawn finger's round tip is seen 8 mm above the table: a radius of 7, and the
+millimetre by which the finger is thicker than one that nobody has measured."""
 DOWN, UP = 18, 8
 """Frames of a touch, and between two."""
 
@@ -92,8 +92,8 @@ def test_four_touched_corners_make_a_surface(camera, draw, see, profile: Profile
     person = Person(camera, draw, see, lambda cue: CORNERS_PX[cue.number])
     made = GuidedPlace(guided(person)).corners(profile)(profile)
     assert [cue.name for cue in person.told] == ["corner"] * 4
-    assert 240.0 * NEARER - 1.0 < made.surface.width_mm < 241.0
-    assert 160.0 * NEARER - 1.0 < made.surface.height_mm < 161.0
+    assert made.surface.width_mm == pytest.approx(240.0 * NEARER, abs=1.0)
+    assert made.surface.height_mm == pytest.approx(160.0 * NEARER, abs=1.0)
     assert "error_mm" in made.steps["surface"].figures
 
 
@@ -129,7 +129,7 @@ def test_nine_touched_crosses_make_a_homography(
     made = GuidedProjector(guided(person), screen).projector(profile, "touch")(profile)
     assert made.projector is not None
     for scale in np.diag(made.projector.projector_from_surface)[:2]:
-        assert 4.95 < scale < 5.05 / NEARER
+        assert scale == pytest.approx(5.0 / NEARER, rel=0.01)
     told = [message for message in caplog.messages if "cross: off by" in message]
     assert len(told) == 9
     assert all(re.search(r"[0-9.]+ px, [0-9.]+ mm$", message) for message in told)

@@ -71,10 +71,11 @@ class Kept:
 
 def keep(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> Capture:
     """Reduce a frame to what the sensing needs. `reach`: where anything may be, px."""
-    excess = np.where(
-        (frame.depth > 0) & background.valid, frame.depth - background.mean_mm, np.float32(0.0)
-    )
-    return _capture(frame, tracked, _window(excess, tracked.hands, reach))
+    left, top, right, bottom = reach
+    part = slice(top, bottom), slice(left, right)
+    depth, empty = frame.depth[part], background.mean_mm[part]
+    stands = (depth - empty < -STANDS_MM) & (depth > 0) & background.valid[part]
+    return _capture(frame, tracked, _window(stands, tracked.hands, reach, frame.depth.shape))
 
 
 def keep_whole(frame: Frame, tracked: Tracked) -> Capture:
@@ -188,10 +189,14 @@ def _drift_mm(lattice: Depth, background: Background) -> np.float32:
     return np.float32(np.median(surface)) if surface.size else np.float32(0.0)
 
 
-def _window(excess: NDArray[np.float32], hands: Sequence[Hand], reach: Box) -> Box:
-    """Return the box around all that stands above the surface and around the fingertips."""
+def _window(
+    stands: NDArray[np.bool_], hands: Sequence[Hand], reach: Box, shape: Sequence[int]
+) -> Box:
+    """Return the box around all that stands above the surface and around the fingertips.
+
+    `stands`: of the pixels in reach; `shape`: of the image.
+    """
     left, top, right, bottom = reach
-    stands = excess[top:bottom, left:right] < -STANDS_MM
     columns = np.flatnonzero(np.count_nonzero(stands, axis=0) >= LEAST_PX)
     rows = np.flatnonzero(np.count_nonzero(stands, axis=1) >= LEAST_PX)
     corners: list[tuple[float, float]] = []
@@ -206,7 +211,7 @@ def _window(excess: NDArray[np.float32], hands: Sequence[Hand], reach: Box) -> B
     xs, ys = zip(*corners, strict=True)
     return _clipped(
         min(xs) - MARGIN_PX, min(ys) - MARGIN_PX, max(xs) + MARGIN_PX, max(ys) + MARGIN_PX,
-        excess.shape,
+        shape,
     )  # fmt: skip
 
 

@@ -30,9 +30,6 @@ _EXACT_AT_MM = (350.0, 800.0)
 """Where `ColourWarp` is exact; a little inside of the depths that it serves, 300 to 1000 mm."""
 _GRID_PX = 8
 """The projections are exact on such a grid and linear between: 64 times less to do at a start."""
-_INVERSE = np.concatenate([[0.0], 1.0 / np.arange(1, 65536)]).astype(np.float32)
-"""(65536,): 1 / depth in 1/mm by depth in mm; 0 where there is none."""
-_ROOT = np.sqrt(np.arange(65536, dtype=np.float32))
 
 
 class ColourWarp:
@@ -59,10 +56,11 @@ class ColourWarp:
         """
         if self._line is None:
             return None
-        inverse = _INVERSE.take(depth)
+        with np.errstate(divide="ignore"):
+            inverse = np.reciprocal(depth, dtype=np.float32)
         np.copyto(inverse, self._background, where=depth == 0)
         at_infinity, per_inverse_mm = self._line
-        places = per_inverse_mm * inverse
+        places: Map = per_inverse_mm * inverse
         places += at_infinity
         return places
 
@@ -119,8 +117,9 @@ def toned(ir: Infrared) -> Picture:
     sample = ir[::_EVERY, ::_EVERY]
     measured = sample[(sample > 0) & (sample < _SATURATED)]
     white = float(np.percentile(measured, _WHITE_PERCENTILE)) if measured.size else _SATURATED
-    tones = np.minimum(_ROOT * np.float32(255 / np.sqrt(white)), 255).astype(np.uint8)
-    return tones.take(ir)
+    tones = np.sqrt(ir, dtype=np.float32)
+    tones *= np.float32(255 / np.sqrt(white))
+    return np.minimum(tones, 255, out=tones).astype(np.uint8)
 
 
 def _in_colour(camera: Camera, points: Points) -> Points:

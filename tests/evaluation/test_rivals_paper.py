@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from halo_calibration.base import VIRTUAL, pilot_path, read_base, write_base
 from halo_service.evaluation.rivals.paper import PAPER
 from halo_service.evaluation.rivals.paper_detector import Detector, detect
 from halo_service.profile import Profile
@@ -30,15 +33,19 @@ def run(levels: list[float], speed_mm_s: float = 0.0) -> list[bool]:
 
 
 COURSES = {
-    "a touch is told a frame late and ends when two frames agree": (
+    "a touch is told with its rise and ends when two frames agree": (
         [0, 0, 1, 1, 1, 0, 0, 0],
-        [False, False, False, True, True, True, False, False],
+        [False, False, True, True, True, True, False, False],
     ),
-    "one frame is no touch": ([0, 0, 1, 0, 0, 0], [False] * 6),
+    "a rise of one frame is a touch": (
+        [0, 0, 1, 0, 0, 0],
+        [False, False, True, True, False, False],
+    ),
     "a dip of one frame ends none": (
         [0, 1, 1, 1, 0, 1, 1],
-        [False, False, True, True, True, True, True],
+        [False, True, True, True, True, True, True],
     ),
+    "what is high in its first frame has not risen": ([1, 1, 1, 1], [False] * 4),
     "a slow rise is followed by the baseline": ([0.02 * n for n in range(50)], [False] * 50),
 }
 
@@ -76,8 +83,8 @@ def test_a_hand_that_is_lost_lets_go(profile: Profile, draw: Draw, see: See) -> 
         result, state = PAPER.step(state, frame, seen if n < 10 else lost)
         told.append(result)
     events = [(n, event.kind) for n, frame in enumerate(told) for event in frame.events]
-    assert events == [(5, "down"), (17, "up")]
-    assert [frame.pointers[0].state for frame in told[5:17]] == [Touch.TOUCH] * 12
+    assert events == [(4, "down"), (17, "up")]
+    assert [frame.pointers[0].state for frame in told[4:17]] == [Touch.TOUCH] * 13
 
 
 def test_it_learns_the_states_of_its_own_signal(profile: Profile, draw: Draw, see: See) -> None:
@@ -94,3 +101,32 @@ def test_it_learns_the_states_of_its_own_signal(profile: Profile, draw: Draw, se
     assert learnt.touch is not None
     states = [getattr(learnt.touch, state).signal for state in dents]
     assert np.allclose(states, [240.0 * dent for dent in dents.values()])
+
+
+def test_its_correction_stands_on_the_base_model_that_ours_stands_on(
+    profile: Profile, draw: Draw, see: See, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A camera's own, from somebody's pilots, is nothing to the bench."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    serial = profile.camera.serial
+    mine = replace(read_base(VIRTUAL), name="somebody's", camera_serial=serial)
+    write_base(mine, pilot_path(serial))
+    signals = [240.0 * dent for dent in (9, 10, 12, 16)]
+    held = [((320.0, 288.0), signal) for signal in signals for _ in range(30)]
+    swept = [
+        ((194.5 + 50.0 * column, 212.5 + 50.0 * row), signals[2])
+        for row in range(4)
+        for column in range(6)
+        for _ in range(3)
+    ]
+    seen = [
+        (draw(tip, signal, 0.0, n * FRAME_US), see(tip, n * FRAME_US, ON_THE_TIP))
+        for n, (tip, signal) in enumerate(held + swept)
+    ]
+    steps = ("hover", "subtle", "touch", "pressure", "sweep")
+    script = [{"step": step, "from_s": n, "to_s": n + 0.9} for n, step in enumerate(steps)]
+    script[-1]["to_s"] = 6.5
+    assert PAPER.learn is not None
+    learnt = PAPER.learn(profile, SensingSettings(), seen, script)
+    assert learnt.correction is not None
+    assert learnt.correction.base == "virtual"

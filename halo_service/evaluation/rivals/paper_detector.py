@@ -1,8 +1,9 @@
 """HaloTouch's touch detector and its debounce, to the letter (paper 4.3.6). Pure.
 
-Touched is what departs from an adaptive baseline while it rises sharply; it takes two frames to
-see a rise, so a touch is told a frame late. It ends when two frames in a row show none. What the
-paper leaves open: a touch goes on while it stays departed, and the baseline rests meanwhile.
+Touched is what departs from an adaptive baseline while it rises sharply: a rise is the difference
+to the frame before, so a finger's first frame cannot show one. A touch ends when two frames in a
+row show none, which the paper does while somebody types; here it is so always. What the paper
+leaves open: a touch goes on while it stays departed, and the baseline rests meanwhile.
 """
 
 from __future__ import annotations
@@ -28,8 +29,6 @@ class Detector:
     baseline: float
     level: float
     time_us: int
-    rose: bool = False
-    """The last frame showed a touch that this one may confirm."""
     touching: bool = False
     doubted: bool = False
     """The last frame showed no touch, and this one may confirm it."""
@@ -39,16 +38,14 @@ def detect(before: Detector | None, level: float, speed_mm_s: float, time_us: in
     """Advance by one frame. `before`: None for a finger that has just been found."""
     if before is None:
         return Detector(level, level, time_us)
-    departed = abs(level - before.baseline) > DEPARTURE
     if before.touching:
         touched = level - before.baseline > DEPARTURE
         ended = before.doubted and not touched
         return Detector(
             before.baseline, level, time_us, touching=not ended, doubted=not (touched or ended)
         )
-    if before.rose and departed:
+    departed = abs(level - before.baseline) > DEPARTURE
+    if departed and level - before.level >= RISE and speed_mm_s < FAST_MM_S:
         return Detector(before.baseline, level, time_us, touching=True)
-    rose = departed and level - before.level >= RISE and speed_mm_s < FAST_MM_S
-    share = 0.0 if rose else 1.0 - math.exp((before.time_us - time_us) / (1e3 * BASELINE_MS))
-    baseline = before.baseline + share * (level - before.baseline)
-    return Detector(baseline, level, time_us, rose=rose)
+    share = 1.0 - math.exp((before.time_us - time_us) / (1e3 * BASELINE_MS))
+    return Detector(before.baseline + share * (level - before.baseline), level, time_us)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from halo_calibration.base import choose_base
+from halo_calibration.base import VIRTUAL, read_base
 from halo_calibration.correction import Reference, solve_correction
 from halo_calibration.observe import Observation
 from halo_calibration.script import Line, parse_script, stated_in
@@ -47,8 +47,7 @@ def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Scrip
         samples = judge_sweep(swept, profile.surface)
         held = states.touch
         at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-        base = choose_base("auto", profile.camera.serial)
-        correction = solve_correction(profile.surface, base, samples, at)
+        correction = solve_correction(profile.surface, read_base(VIRTUAL), samples, at)
     return replace(profile, touch=corrected(states, correction), by_hand={}, correction=correction)
 
 

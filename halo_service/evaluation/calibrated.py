@@ -15,18 +15,19 @@ from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_service.errors import UserError
-from halo_service.evaluation.capture import background_of
+from halo_service.evaluation.capture import background_of, profile_of_table
 from halo_service.evaluation.kept import Kept, load, played
 from halo_service.evaluation.matrix import CALIBRATION
 from halo_service.evaluation.together import Played, Remembered
 from halo_service.profile import Background, Profile
 from halo_service.profile.form import array_files, to_json
-from halo_service.runtime.method import Method
+from halo_service.runtime.method import OURS, Method
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import factory
 
+NAME = "bench"
 DATE = "1970-01-01T00:00:00Z"
-"""A kept take has no date, and the same take gives the same profile."""
+"""Of profiles. A kept take has no date, and the same take gives the same profile."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,15 +45,21 @@ class Calibrated:
 def calibrate(
     folder: Path, methods: Sequence[Method[Any]], settings: SensingSettings
 ) -> Calibrated:
-    """Calibrate the person whose takes are in a folder, for each method."""
+    """Calibrate the person whose takes are in a folder, for each method.
+
+    Where our calibration refuses, the rivals have the empty table: none of them reads our states.
+    """
     kept = load(folder / f"{CALIBRATION.name}.npz")
     background = background_of(folder)
     try:
-        profile = by_script(kept, background, settings)
+        profile, why = by_script(kept, background, settings), ""
     except UserError as error:
-        return Calibrated(background, {}, {method.name: str(error) for method in methods})
+        profile, why = profile_of_table(NAME, background), str(error)
     profiles, refused = {}, {}
     for method in methods:
+        if why and method is OURS:
+            refused[method.name] = why
+            continue
         try:
             profiles[method.name] = _learnt(method, profile, settings, kept, background)
         except UserError as error:
@@ -64,7 +71,7 @@ def by_script(kept: Kept, background: Background, settings: SensingSettings) -> 
     """Return the profile that `halo calibrate --script` makes of such a take, or `UserError`."""
     look = Remembered(kept)
     source = Played(frame for frame, _ in played(kept, background))
-    setup = Setup("bench", factory(), DATE, settings, base=read_base(VIRTUAL))
+    setup = Setup(NAME, factory(), DATE, settings, base=read_base(VIRTUAL))
     scripted = Scripted(setup, Session(source), lambda _: look, lambda _: None)
     return scripted.run(parse_script(list(kept.script), "of the take"))
 

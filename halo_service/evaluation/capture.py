@@ -116,6 +116,13 @@ def background_of(folder: Path) -> Background:
     return solve_background([frame.depth for frame in empty_frames(kept)])
 
 
+def profile_of_table(name: str, background: Background) -> Profile:
+    """Return what the empty surface alone tells. Raises `Refused` where it is no plane."""
+    camera = factory()
+    surface = surface_from_view(solve_plane(background, camera))
+    return Profile(name, camera, surface, background, None, 1)
+
+
 def empty_frames(kept: Kept) -> Iterator[Frame]:
     """Yield the frames of a calibration that were kept whole."""
     first_us = kept.captures[0].time_us
@@ -165,10 +172,9 @@ def _task(studio: Studio, person: Person, task: Task) -> Kept:
 def _captures(
     studio: Studio, person: Person, task: Task, frames: Iterable[Frame], background: Background
 ) -> Iterator[Capture]:
-    camera = factory()
-    surface = surface_from_view(solve_plane(background, camera))
-    reach = reach_of(surface, camera)
-    profile = Profile(person.name, camera, surface, background, None, 1)
+    profile = profile_of_table(person.name, background)
+    camera = profile.camera
+    reach = reach_of(profile.surface, camera)
     with studio.look_with(camera, profile, task.hands) as look:
         for frame in frames:
             yield keep(frame, look(frame), background, reach)

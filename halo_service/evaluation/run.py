@@ -31,6 +31,7 @@ from halo_service.evaluation.matrix import CALIBRATION, Person, Plan, Task
 from halo_service.evaluation.result import Result, Subject
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.together import Remembered, together
+from halo_service.profile.lock import Busy
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.naming import wish
@@ -77,6 +78,11 @@ def run(order: Order, progress: Progress) -> tuple[Result, ...]:
         raise UserError(
             "a process of the bench was ended from outside, perhaps for want of memory: run the "
             "same command again, it goes on where it was; --jobs 1 needs least"
+        ) from error
+    except Busy as error:
+        raise UserError(
+            f"another run is filling {order.studio.folder}: wait for it to end, or choose another "
+            f"place with --keep"
         ) from error
     except OSError as error:
         raise UserError(

@@ -15,15 +15,19 @@ WAIT_S = 10.0
 AGAIN_S = 0.02
 
 
+class Busy(OSError):  # noqa: N818 - what the folder is
+    """Another process holds the lock, and goes on doing so."""
+
+
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold a folder's lock; raises `OSError` where another process keeps it."""
+    """Hold a folder's lock; raises `Busy` where another process keeps it."""
     handle = os.open(folder / NAME, os.O_RDWR | os.O_CREAT, 0o644)
     try:
         until = time.monotonic() + WAIT_S
         while not _taken(handle):
             if time.monotonic() > until:
-                raise OSError("another program is writing it")
+                raise Busy("another program is writing it")
             time.sleep(AGAIN_S)
         yield
     finally:

@@ -9,10 +9,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from halo_service.errors import UserError
 from halo_service.evaluation.capture import Studio
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.rows import write
@@ -31,10 +33,11 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Studio:
 
 
 def test_who_cannot_be_calibrated_is_a_result_with_the_sentence(studio: Studio) -> None:
-    order = Order({PERSON: (SHORT,)}, tuple(METHODS), studio, SensingSettings(), 1)
+    methods = ("ours", "paper")
+    order = Order({PERSON: (SHORT,)}, methods, studio, SensingSettings(), 1)
     done: list[float] = []
     results = run(order, done.append)
-    assert [each.method for each in results] == list(METHODS)
+    assert [each.method for each in results] == list(methods)
     for each in results:
         assert each.scores is None
         assert "frames came during 'hover'" in each.refused
@@ -44,8 +47,30 @@ def test_who_cannot_be_calibrated_is_a_result_with_the_sentence(studio: Studio) 
     write(results, "1.2.3", out)
     head, *rows = out.getvalue().splitlines()
     assert head.startswith("seed,subject,material,family,task,method,figure,value,note")
-    assert len(rows) == len(METHODS)
+    assert len(rows) == len(methods)
     assert all(row.startswith("205,205-paper,paper,") and "'hover'" in row for row in rows)
+
+
+def test_where_ours_is_refused_the_rivals_that_need_no_states_still_play(studio: Studio) -> None:
+    shown = replace(SHORT, name="shown")
+    order = Order({PERSON: (shown,)}, tuple(METHODS), studio, SensingSettings(), 1)
+    results = run(order, lambda _: None)
+    assert {each.method: each.scores is None for each in results} == {
+        "ours": True,
+        "paper": True,
+        "direct": False,
+        "wilson": False,
+    }
+    assert {bool(each.refused) for each in results if each.scores is not None} == {False}
+
+
+def test_a_folder_that_another_run_is_filling_is_told_as_that(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("halo_service.profile.lock.WAIT_S", 0.05)
+    order = Order({PERSON: (SHORT,)}, ("ours",), studio, SensingSettings(), 1)
+    with studio.to_itself(), pytest.raises(UserError, match=r"another run is filling .*: wait"):
+        run(order, lambda _: None)
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
 from halo_service.evaluation.result import Result
-from halo_service.evaluation.rivals import METHODS
+from halo_service.evaluation.rivals import AS_CALIBRATED, METHODS
 from halo_service.evaluation.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
@@ -76,6 +76,7 @@ class Recorded:
     """None: nobody knows it, and the script says what was asked of the person."""
     script: Path | None
     methods: tuple[str, ...]
+    """Empty: those that the profile serves; another would stand there with levels of our signal."""
 
 
 def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
@@ -85,7 +86,7 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
-    methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
+    methods = matrix.chosen(asked.methods or AS_CALIBRATED, tuple(METHODS), "method")
     truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:

@@ -51,8 +51,15 @@ class Goal:
     """Of one method's results; None where they hold nothing of it."""
 
 
-def goal_table(results: Sequence[Result]) -> Table:
-    """Return the table, with a column a method."""
+VIRTUAL = (
+    "The paper's figures are of people and a real camera, the others of virtual people and a "
+    "virtual camera: they compare methods, and are no promise about a table."
+)
+"""How to read the table of a study."""
+
+
+def goal_table(results: Sequence[Result], note: str = VIRTUAL) -> Table:
+    """Return the table, with a column a method. `note`: how to read it."""
     names = pick.methods(results)
     by_method = {name: pick.of(results, name) for name in names}
     return Table(
@@ -62,8 +69,7 @@ def goal_table(results: Sequence[Result]) -> Table:
             (each.figure, each.paper, each.goal, *(_cell(each, by_method[name]) for name in names))
             for each in GOALS
         ),
-        "The paper's figures are of people and a real camera, the others of virtual people and a "
-        "virtual camera: they compare methods, and are no promise about a table.",
+        note,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def judged(
     else:
         scores = score(told, truth, script, profile.surface)
     hashes = profile_hash(profile), settings_hash(settings)
-    return Result(subject, task, method, scores, "", *hashes)
+    return Result(subject, task, method, scores, "", *hashes, asked=truth is None)
 
 
 def recording_judged(
@@ -62,9 +63,18 @@ def recording_judged(
     profiles = dict.fromkeys((method.name for method in methods), profile)
     told = together(captures_of(source), source.camera, Once(look), methods, profiles, settings)
     subject = Subject(name)
-    return tuple(
-        judged(subject, RECORDING, method, told[method], truth, script, profile, settings)
-        for method in told
+    results = []
+    for method in methods:
+        name = method.name
+        result = judged(subject, RECORDING, name, told[name], truth, script, profile, settings)
+        results.append(result if method.learn is None else replace(result, remark=_not_its(name)))
+    return tuple(results)
+
+
+def _not_its(method: str) -> str:
+    return (
+        f"'{method}' was not calibrated with its own signal here, so its levels, heights and "
+        f"pressures are off."
     )
 
 

@@ -34,3 +34,7 @@ class Result:
     """Hash of the profile."""
     settings: str = ""
     """Hash of the sensing's configuration."""
+    asked: bool = False
+    """Judged by what a script asked for: nobody knew the truth."""
+    remark: str = ""
+    """A sentence without which the method's figures would mislead."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from halo_service.evaluation.breakdown import breakdown
-from halo_service.evaluation.goals import goal_table
+from halo_service.evaluation.goals import VIRTUAL, goal_table
 from halo_service.evaluation.matrix import REPORTED, TUNED
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.table import Table
@@ -16,8 +16,25 @@ Lay = Callable[[Table], str]
 def told(results: Sequence[Result], version: str, lay: Lay) -> Iterator[str]:
     """Yield paragraphs. `lay`: how a table is laid out; `version`: of the package."""
     yield "\n".join(heading(results, version))
-    for table in (goal_table(results), *breakdown(results)):
+    for table in (goal_table(results, note(results)), *breakdown(results)):
         yield lay(table)
+
+
+def note(results: Sequence[Result]) -> str:
+    """Say how the table is to be read: whose figures stand in it."""
+    if not is_recording(results):
+        return VIRTUAL
+    whose = (
+        f"The paper's figures are of a whole study, the others of one recording, judged by "
+        f"{_judge(results)}."
+    )
+    remarks = dict.fromkeys(each.remark for each in results if each.remark)
+    return " ".join((whose, *remarks))
+
+
+def is_recording(results: Sequence[Result]) -> bool:
+    """Say whether the results are of one recording, and not of a study."""
+    return any(each.subject.seed is None for each in results)
 
 
 def heading(results: Sequence[Result], version: str) -> Iterator[str]:
@@ -32,7 +49,16 @@ def heading(results: Sequence[Result], version: str) -> Iterator[str]:
         if not set(seeds) <= set(REPORTED):
             yield "these are no reported users: the figures watch over changes and prove nothing"
         if not any(each.task.startswith("labels") for each in results):
-            yield "real people's tap timing was left out: give the label files with --labels DIR"
+            yield "real people's tap timing was left out: the full study has it with --labels DIR"
+    if is_recording(results):
+        names = ", ".join(dict.fromkeys(each.subject.name for each in results))
+        yield f"recording {names}, judged by {_judge(results)}"
+
+
+def _judge(results: Sequence[Result]) -> str:
+    if any(each.asked for each in results):
+        return "what was asked for, with people's own errors in it"
+    return "its truth"
 
 
 def _numbers(numbers: Sequence[int]) -> str:

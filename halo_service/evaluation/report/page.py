@@ -12,6 +12,7 @@ from halo_service.evaluation.goals import PASS, SHORT, goal_table
 from halo_service.evaluation.report import level_plots, touch_plots
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.table import Table
+from halo_service.evaluation.told import is_recording, note
 
 TITLE = "Touch, hover and pressure, judged"
 INTRODUCTION = (
@@ -19,17 +20,19 @@ INTRODUCTION = (
     "method from the same frames. What was published is judged against what truly happened. These "
     "figures compare methods; they are no promise about a real table."
 )
+RECORDED = "One recording, sensed by every method from the same frames."
 
 
 def page(results: Sequence[Result], facts: Mapping[str, str]) -> str:
     """Return the page; `facts` say what it is of: command, date, machine, users."""
     methods = pick.methods(results)
     first = methods[0] if methods else ""
+    lead = RECORDED if is_recording(results) else INTRODUCTION
     body = [
-        f"<h1>{escape(TITLE)}</h1><p class='lead'>{escape(INTRODUCTION)}</p>",
+        f"<h1>{escape(TITLE)}</h1><p class='lead'>{escape(lead)}</p>",
         _facts(facts),
         _legend(methods),
-        _section("", [_table(goal_table(results))]),
+        _section("", [_table(goal_table(results, note(results)))]),
         *_figures(results, first),
         *(_section(each.title, [_table(each)]) for each in breakdown(results)),
     ]
@@ -52,8 +55,9 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
         ),
         _figure(
             "Where touches were told, from where they were",
-            "The middle is the pad's true place in the frame that told the touch; nothing is "
-            "removed. The ellipse holds 95 %.",
+            "The middle is the pad's true place in the frame that told the touch, or the target "
+            "where nobody knows the truth. Of hits; nothing else is removed. The ellipse holds "
+            "95 %.",
             touch_plots.clouds(results),
         ),
         _figure(

@@ -6,6 +6,10 @@ import argparse
 from pathlib import Path
 
 from halo_service.app import verbs
+from halo_service.errors import UserError
+
+STUDY = ("quick", "users", "materials", "tasks", "labels", "keep", "kept_only", "jobs")
+"""What only the study listens to."""
 
 
 def add_to(verb: argparse.ArgumentParser) -> None:
@@ -29,6 +33,32 @@ def add_to(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--report", type=Path, metavar="DIR", help="a page with the plots")
     verb.add_argument("--csv", metavar="FILE", help="every figure of every person; - for stdout")
     verb.set_defaults(run=verbs.evaluate)
+
+
+def refuse_idle(options: argparse.Namespace) -> None:
+    """Raise `UserError` for an option that what is asked for would not listen to."""
+    if options.live is not None:
+        _refuse(options, "--live", "recording", "truth", "script", *STUDY)
+    elif options.recording is not None:
+        _refuse(options, "RECORDING", "source", *STUDY)
+    else:
+        study = "without RECORDING or --live plays the study, which"
+        _refuse(options, study, "truth", "script", "source", "profile")
+    if options.kept_only:
+        _refuse(options, "--kept-only", "quick", "labels")
+    if options.quick:
+        _refuse(options, "--quick", "labels")
+
+
+def _refuse(options: argparse.Namespace, asked: str, *idle: str) -> None:
+    given = [_flag(name) for name in idle if getattr(options, name)]
+    if given:
+        flags = ", ".join(given)
+        raise UserError(f"evaluate {asked} has no use for {flags}: leave {flags} out")
+
+
+def _flag(name: str) -> str:
+    return "RECORDING" if name == "recording" else f"--{name.replace('_', '-')}"
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -104,9 +104,11 @@ def evaluate(options: argparse.Namespace) -> int:
     """Run the study or judge a recording, and tell what came of it."""
     from halo_service.app import evaluate as bench
     from halo_service.app.config import load
+    from halo_service.app.evaluate_options import refuse_idle
     from halo_service.app.evaluate_told import Telling, telling
     from halo_service.app.first_light import first_light
 
+    refuse_idle(options)
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
     with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:

@@ -23,6 +23,17 @@ from halo_service.virtual.naming import wish
         (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover-5, pointing-20"),
         (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
         (["--kept-only"], "no kept takes of these users and materials"),
+        (["--truth", "t.jsonl", "--tasks", "juggling"], "the study, which has no use for --truth:"),
+        (["--source", "recording:x", "--tasks", "juggling"], "has no use for --source:"),
+        (["--profile", "desk", "--tasks", "juggling"], "has no use for --profile: leave --profile"),
+        (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick has no use for --lab"),
+        (["--kept-only", "--labels", "nowhere"], "--kept-only has no use for --labels:"),
+        (["--kept-only", "--quick"], "--kept-only has no use for --quick:"),
+        (["--live", "here", "--quick"], "--live has no use for --quick, --keep: leave --quick"),
+        (["--live", "here", "--truth", "t.jsonl"], "--live has no use for --truth, --keep:"),
+        (["take.mkv", "--live", "here"], "--live has no use for RECORDING: leave RECORDING out"),
+        (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING has no use for --users:"),
+        (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING has no use for --source:"),
         (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),
         (["take.mkv", "--truth", "t.jsonl"], "name the profile that goes with the recording"),
         (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
@@ -54,6 +65,23 @@ def test_numbers_that_are_none_are_refused(
     with pytest.raises(SystemExit):
         main(["evaluate", option, text])
     assert f"argument {option}: {text!r} must be" in capsys.readouterr().err
+
+
+def test_a_recording_is_judged_by_the_methods_that_its_profile_serves_and_told_as_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = {name: str(tmp_path / name) for name in ("desk.mkv", "truth", "profile", "figures")}
+    taken = ("--out", files["desk.mkv"], "--truth", files["truth"], "--no-colour")
+    assert main(["simulate", "idle?seed=205", *taken, "--seconds", "0.3"]) == 0
+    save(virtual_profile(wish("sim:idle?seed=205").room, Settings()), Path(files["profile"]))
+    capsys.readouterr()
+    given = ("--truth", files["truth"], "--profile", files["profile"], "--csv", files["figures"])
+    assert main(["evaluate", files["desk.mkv"], *given]) == 0
+    with Path(files["figures"]).open(encoding="utf-8", newline="") as file:
+        assert {row["method"] for row in csv.DictReader(file)} == {"ours", "direct", "wilson"}
+    told = capsys.readouterr().out
+    assert "recording desk, judged by its truth\n" in told
+    assert "virtual" not in told
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,8 @@ from halo_service.errors import UserError
 from halo_service.virtual.materials import STUDIED
 
 TUNED = (201, 202, 203, 204, 205, 206)
-"""Virtual users on whom the sensing and its rivals were tuned; never reported as a result."""
+"""Virtual users set aside for tuning the sensing and its rivals; never reported as a result. What
+was chosen on which of them is told in docs/evaluation.md."""
 REPORTED = tuple(range(301, 313))
 """The study's twelve: nobody looked at them while anything was being chosen."""
 QUICK_USERS = TUNED[:3]

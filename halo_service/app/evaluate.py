@@ -86,10 +86,10 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
-    require_touch(profile)
     methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
     truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
+    require_touch(profile)
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
         with (

@@ -135,9 +135,10 @@ def test_a_profile_that_tells_no_touches_is_refused_before_anything_is_opened(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save(replace(found, touch=None), tmp_path / "profile")
+    (tmp_path / "t.jsonl").touch()
     assert main([*command, "--profile", "./profile"]) == 2
     assert "the profile drawn has no touch states" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["profile"]
+    assert {path.name for path in tmp_path.iterdir()} == {"profile", "t.jsonl"}
 
 
 def test_what_is_asked_for_is_the_script_on_the_recordings_own_clock() -> None:

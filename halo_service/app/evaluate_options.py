@@ -15,6 +15,7 @@ def add_to(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--script", type=Path, metavar="S.json", help="what was asked for in it")
     verb.add_argument("--live", type=Path, metavar="DIR", help="be guided on a real table")
     verb.add_argument("--source", metavar="S", help="with --live: as for serve")
+    verb.add_argument("--no-colour", action="store_true", help="with --live: leave colour out")
     verb.add_argument("--quick", action="store_true", help="a small part of it, in 5 minutes")
     verb.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
     verb.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")

@@ -112,7 +112,8 @@ def evaluate(options: argparse.Namespace) -> int:
     with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
         if options.live is not None:
             source = replace(settings.source, name=options.source or settings.source.name)
-            recording, script = first_light(replace(settings, source=source), options.live)
+            settings = replace(settings, source=source)
+            recording, script = first_light(settings, options.live, not options.no_colour)
             recorded = bench.Recorded(recording, None, script, options.method)
             tell(bench.evaluate_recording(settings, recorded))
         elif options.recording is None:

@@ -161,7 +161,8 @@ def bench(options: argparse.Namespace) -> int:
     from halo_service.app.config import load
 
     settings = load(options.config)
-    profile = options.profile or settings.profile
+    # A real table's profile does not fit the virtual room, which is calibrated by itself.
+    profile = options.profile or (settings.profile if options.source else "")
     asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
     measure(asked, settings)
     return 0

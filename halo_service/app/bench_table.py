@@ -76,7 +76,8 @@ def _contacts(case: Case) -> list[str]:
     told = case.contacts
     return [
         f"contact -> down: median {told.median_ms:.1f} ms ({told.median_frames:.2f} frames), "
-        f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told"
+        f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told, "
+        f"{told.early} before contact"
     ]
 
 

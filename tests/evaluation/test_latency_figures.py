@@ -76,13 +76,13 @@ def test_stages_percentiles_and_work_are_summed_over_all_blocks(
 
 
 @pytest.mark.parametrize(
-    ("begins_us", "downs_at", "delay_ms"),
+    ("begins_us", "downs_at", "delay_ms", "early"),
     [
-        pytest.param(70_000, (3,), 99.999 - 70.0 + 4.0, id="in the frame after the contact"),
-        pytest.param(105_000, (3,), 99.999 - 105.0 + 4.0, id="foreseen by a few milliseconds"),
-        pytest.param(200_000, (3,), None, id="long before the contact"),
-        pytest.param(10_000, (9,), None, id="long after it"),
-        pytest.param(70_000, (), None, id="never"),
+        pytest.param(70_000, (3,), 99.999 - 70.0 + 4.0, 0, id="in the frame after the contact"),
+        pytest.param(105_000, (3,), 0.0, 1, id="foreseen by a few milliseconds"),
+        pytest.param(200_000, (3,), None, 0, id="long before the contact"),
+        pytest.param(10_000, (9,), None, 0, id="long after it"),
+        pytest.param(70_000, (), None, 0, id="never"),
     ],
 )
 def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
@@ -91,6 +91,7 @@ def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
     begins_us: int,
     downs_at: tuple[int, ...],
     delay_ms: float | None,
+    early: int,
 ) -> None:
     summed = case(
         profile,
@@ -104,9 +105,26 @@ def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
         assert told is None
     else:
         assert told is not None
-        assert (told.true, told.told) == (1, 1)
+        assert (told.true, told.told, told.early) == (1, 1, early)
         assert told.median_ms == pytest.approx(delay_ms)
         assert told.median_frames == pytest.approx(delay_ms / (1000 / 30))
+
+
+def test_what_is_sent_before_a_contact_makes_up_for_nothing(
+    profile: Profile, camera: Camera
+) -> None:
+    summed = case(
+        profile,
+        camera,
+        block("ours", [4.0] * 12, 3, 9),
+        block("sequential", [40.0] * 12),
+        contacts=[140_000, 290_000],  # 36 ms after the one message, 14 ms before the other
+    )
+    told = summed.contacts
+    assert told is not None
+    assert told.early == 1
+    assert told.median_ms == pytest.approx((0.0 + 9 * FRAME_US / 1e3 + 4.0 - 290.0) / 2)
+    assert "2 of 2 told, 1 before contact" in "\n".join(table(summed))
 
 
 def test_one_down_tells_one_contact(profile: Profile, camera: Camera) -> None:

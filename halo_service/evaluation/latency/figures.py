@@ -35,10 +35,12 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """From a true contact to its down message."""
+    """From a true contact to its down message; one sent before its contact counts as 0."""
 
     true: int
     told: int
+    early: int
+    """Sent before their contact."""
     median_ms: float
     p95_ms: float
     median_frames: float
@@ -170,8 +172,9 @@ def _contacts(delays_us: Sequence[float | None], period_us: float) -> Contacts |
     told = [each for each in delays_us if each is not None]
     if not told:
         return None
-    median, p95 = (float(each) for each in np.percentile(told, (50, 95)))
-    return Contacts(len(delays_us), len(told), median / 1e3, p95 / 1e3, median / period_us)
+    early = sum(each < 0.0 for each in told)
+    median, p95 = np.percentile(np.maximum(told, 0.0), (50, 95)).tolist()
+    return Contacts(len(delays_us), len(told), early, median / 1e3, p95 / 1e3, median / period_us)
 
 
 def _delays_us(

@@ -50,7 +50,8 @@ CUES = {
     "hover": Cue(
         "hover",
         "HOVER: hold the index finger 10 mm above the middle of the surface, where the halo just "
-        "shows (a printed spacer helps), the other fingers curled.",
+        "shows (resting on a peg, if you have one, that is narrower than the fingertip), the other "
+        "fingers curled.",
     ),
     "subtle": Cue("subtle", "SUBTLE: as near as you can without touching, about 1 mm above."),
     "touch": Cue("touch", "TOUCH: let the fingertip rest on the surface, relaxed."),

@@ -10,19 +10,21 @@ from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.dent import dent_under
-from halo_service.sensing.extraction import extract, line_pixels
+from halo_service.sensing.extraction import extract
 from halo_service.sensing.fingertips import locate
-from halo_service.sensing.revealer import reveal
+from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.sightings import sightings
-from halo_service.values import Frame, Side, Tracked
+from halo_service.sensing.straight import unit
+from halo_service.values import Fingertip, Frame, Side, Tracked
 
 Look = Callable[[Frame], Tracked]
 """The hand tracker: finds the hands in one frame."""
 
 THICKNESS_MM = 13.0
 """Chosen: a fingertip from pad to nail, where none was measured."""
-STILL = (0.0, 0.0)
+LINE_PX = 15
+"""How far beyond the tip the finger's line is followed (chosen: the halo's reach)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +75,7 @@ class Observer:
         if not seen:
             return None
         sighting = max(seen, key=lambda each: each.confidence)
-        tip = locate(sighting, STILL, revealed, frame.depth, profile, THICKNESS_MM)
+        tip = locate(sighting, revealed, frame.depth, profile, THICKNESS_MM)
         raw = extract(revealed, tip)
         return Observation(
             frame.time_us,
@@ -84,7 +86,25 @@ class Observer:
             tip.top_mm,
             raw,
             correct(raw, tip, profile.correction),
-            line_pixels(revealed, tip),
+            _line_pixels(revealed, tip),
             dent_under(revealed, tip, profile),
             tip.width_mm,
         )
+
+
+def _line_pixels(revealed: Revealed, tip: Fingertip) -> int:
+    """Count halo pixels on the line from the distal joint through the tip and just beyond it.
+
+    The paper (4.3.6) tells a height by them, so profiles keep them for those who do as it does. It
+    follows the line between tip and joint; a halo is on the surface, so the same line is followed
+    on past the tip, where surface is.
+    """
+    dx, dy = unit(tip.distal_px, tip.tip_px)
+    x, y = revealed.inside(tip.distal_px)
+    height, width = revealed.halo.shape
+    count = 0
+    for step in range(round(math.dist(tip.distal_px, tip.tip_px)) + LINE_PX):
+        column, row = round(x + dx * step), round(y + dy * step)
+        if 0 <= column < width and 0 <= row < height:
+            count += bool(revealed.halo[row, column])
+    return count

@@ -36,7 +36,7 @@ from halo_service.files import from_home
 from halo_service.outputs.osc import OscOutput
 from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
-from halo_service.profile.store import load, profile_path, require_fit
+from halo_service.profile.store import load, profile_path, require_fit, require_touch
 from halo_service.runtime.beside import TrackerBeside
 from halo_service.sensing import State, start
 from halo_service.sources import EndOfSource
@@ -161,12 +161,10 @@ def _case(source: str, hands: int, asked: Asked, settings: Settings) -> Case:
 
 
 def _profile_for(name: str) -> Profile | None:
-    profile = load(profile_path(name)) if name else None
-    if profile is not None and profile.touch is None:
-        raise UserError(
-            f"the profile {profile.name} has no touch states, so there is nothing to time: "
-            "run 'halo calibrate touch' with it"
-        )
+    if not name:
+        return None
+    profile = load(profile_path(name))
+    require_touch(profile)
     return profile
 
 

@@ -24,6 +24,7 @@ def table(case: Case) -> list[str]:
             _row(f"  {name}", ours.stages.get(name), sequential.stages.get(name))
             for name in _stages(case)
         ),
+        *_hands(ours.hands),
         _pair("CPU of a frame", ours.cpu_a_frame, sequential.cpu_a_frame),
         _pair("  frame to packet", ours.path_cpu_a_frame, sequential.path_cpu_a_frame),
         _sent("frames sent", ours.frames, sequential.frames),
@@ -56,6 +57,11 @@ def _row(name: str, ours: Spread | None, sequential: Spread | None) -> str:
     )
 
 
+def _hands(ages: Spread | None) -> list[str]:
+    """Tell how old hands are when a frame is sensed with them; where it waits for its own, 0."""
+    return [] if ages is None else [_pair("hands older than frame", ages.median, 0.0)]
+
+
 def _pair(name: str, ours: float, sequential: float) -> str:
     return f"{name:24}{ours:8.1f}{'':16}{sequential:8.1f}"
 
@@ -70,7 +76,8 @@ def _contacts(case: Case) -> list[str]:
     told = case.contacts
     return [
         f"contact -> down: median {told.median_ms:.1f} ms ({told.median_frames:.2f} frames), "
-        f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told"
+        f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told, "
+        f"{told.early} before contact"
     ]
 
 
@@ -79,6 +86,6 @@ def _disturbed(case: Case) -> list[str]:
     if waited is None or waited <= BUSY_MS:
         return []
     return [
-        f"note: other programs kept our frames off the cores for {waited:.1f} ms each; on a free "
-        "machine all of this is faster"
+        f"note: each of our frames was ready and waited {waited:.1f} ms for a core that another "
+        "program, or our own hand tracker, was using"
     ]

@@ -28,8 +28,9 @@ from halo_service.evaluation.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
-from halo_service.profile.store import profile_path, require_fit
+from halo_service.profile.store import profile_path, require_fit, require_touch
 from halo_service.sources.recording import Recording
+from halo_service.values import Frame, Tracked
 from halo_service.virtual.materials import MATERIALS, STUDIED
 
 
@@ -89,13 +90,22 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
     methods = matrix.chosen(asked.methods or AS_CALIBRATED, tuple(METHODS), "method")
     truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
+    require_touch(profile)
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
-        with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
+        with (
+            closing(Eyes(source.camera, profile, settings.tracking)) as eyes,
+            tqdm(desc="judging", unit=" frames", leave=False) as bar,
+        ):
+
+            def look(frame: Frame) -> Tracked:
+                bar.update()
+                return eyes.look(frame)
+
             return recording_judged(
                 source,
                 asked.recording.stem,
-                eyes.look,
+                look,
                 [METHODS[name] for name in methods],
                 profile,
                 settings.sensing,

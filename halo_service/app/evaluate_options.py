@@ -10,6 +10,8 @@ from halo_service.errors import UserError
 
 STUDY = ("quick", "users", "materials", "tasks", "labels", "keep", "kept_only", "jobs")
 """What only the study listens to."""
+LIVE = ("source", "no_colour")
+"""What only a session on a real table listens to."""
 
 
 def add_to(verb: argparse.ArgumentParser) -> None:
@@ -19,6 +21,7 @@ def add_to(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--script", type=Path, metavar="S.json", help="what was asked for in it")
     verb.add_argument("--live", type=Path, metavar="DIR", help="be guided on a real table")
     verb.add_argument("--source", metavar="S", help="with --live: as for serve")
+    verb.add_argument("--no-colour", action="store_true", help="with --live: leave colour out")
     verb.add_argument("--quick", action="store_true", help="a small part of it, in 5 minutes")
     verb.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
     verb.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")
@@ -40,10 +43,10 @@ def refuse_idle(options: argparse.Namespace) -> None:
     if options.live is not None:
         _refuse(options, "--live", "recording", "truth", "script", *STUDY)
     elif options.recording is not None:
-        _refuse(options, "RECORDING", "source", *STUDY)
+        _refuse(options, "RECORDING", *LIVE, *STUDY)
     else:
         study = "without RECORDING or --live plays the study, which"
-        _refuse(options, study, "truth", "script", "source", "profile")
+        _refuse(options, study, "truth", "script", "profile", *LIVE)
     if options.kept_only:
         _refuse(options, "--kept-only", "quick", "labels")
     if options.quick:

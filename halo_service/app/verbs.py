@@ -114,7 +114,8 @@ def evaluate(options: argparse.Namespace) -> int:
     with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
         if options.live is not None:
             source = replace(settings.source, name=options.source or settings.source.name)
-            recording, script = first_light(replace(settings, source=source), options.live)
+            settings = replace(settings, source=source)
+            recording, script = first_light(settings, options.live, not options.no_colour)
             recorded = bench.Recorded(recording, None, script, options.method)
             tell(bench.evaluate_recording(settings, recorded))
         elif options.recording is None:
@@ -163,7 +164,8 @@ def bench(options: argparse.Namespace) -> int:
     from halo_service.app.config import load
 
     settings = load(options.config)
-    profile = options.profile or settings.profile
+    # A real table's profile does not fit the virtual room, which is calibrated by itself.
+    profile = options.profile or (settings.profile if options.source else "")
     asked = Asked(options.hands, options.seconds, options.source, profile, options.json)
     measure(asked, settings)
     return 0

@@ -33,8 +33,8 @@ def breakdown(results: Sequence[Result]) -> tuple[Table, ...]:
         levels_by_family(results),
         levels_by_user(results),
         typing_by_task(results),
-        told_by_height(results),
-        hands_by_task(results),
+        retaps_by_lift(results),
+        conduct_by_task(results),
         not_calibrated(results),
     )
     return tuple(table for table in tables if table.rows)
@@ -111,7 +111,9 @@ def typing_by_task(results: Sequence[Result]) -> Table:
         if phrases:
             keys = sum((r.scores.keys for r in mine if r.scores), Keys())
             counts = keys.struck, keys.wrong, keys.missed, keys.doubled
-            rows.append((TASK_NAMES.get(task, task), method, *_speeds(phrases), *map(str, counts)))
+            rows.append(
+                (TASK_NAMES.get(task, task), method, *_text_rates(phrases), *map(str, counts))
+            )
     return Table(
         "Typing",
         _head(
@@ -125,7 +127,7 @@ def typing_by_task(results: Sequence[Result]) -> Table:
     )
 
 
-def told_by_height(results: Sequence[Result]) -> Table:
+def retaps_by_lift(results: Sequence[Result]) -> Table:
     """Re-taps told, by how far the finger rose between."""
     retaps = [r for r in results if r.scores and r.scores.retaps]
     lifts = sorted({each.lift_mm for r in retaps if r.scores for each in r.scores.retaps})
@@ -137,7 +139,7 @@ def told_by_height(results: Sequence[Result]) -> Table:
     return Table("Re-taps told, % by lift", head, tuple(rows))
 
 
-def hands_by_task(results: Sequence[Result]) -> Table:
+def conduct_by_task(results: Sequence[Result]) -> Table:
     """What more than a pointing finger does, and how pointers behave in every task."""
     rows = []
     for task, method, mine in _grouped(results, lambda result: result.task):
@@ -212,7 +214,7 @@ def _off(off: Spatial | None) -> tuple[str, str, str]:
     )
 
 
-def _speeds(phrases: Sequence[Phrase]) -> Iterator[str]:
+def _text_rates(phrases: Sequence[Phrase]) -> Iterator[str]:
     typed, perfect = [p.typed for p in phrases], [p.perfect for p in phrases]
     yield f"{np.mean([each.wpm for each in typed]):.1f}"
     yield f"{np.mean([each.awpm for each in typed]):.1f}"

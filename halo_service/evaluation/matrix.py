@@ -58,6 +58,7 @@ TASKS = (
     Task("pressure", "pressure", 48.0),
     Task("pressure-noise2", "pressure", 48.0, options=NOISY),
     Task("threshold", "threshold", 44.0),
+    Task("awkward", "awkward", 55.0),
     Task("typing-accurate", "typing-accurate", 30.0, ends=False, hands=2),
     Task("typing", "typing", 30.0, ends=False, hands=2),
     Task("typing-fast", "typing-fast", 30.0, ends=False, hands=2),

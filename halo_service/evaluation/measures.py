@@ -75,11 +75,18 @@ def real_taps(results: Sequence[Result]) -> Measured | None:
 
 
 def spatial_error(results: Sequence[Result]) -> Measured | None:
-    """Distance from the true place in the frame that told a touch."""
-    off = spatial(from_truth(pick.touches(pick.pointing(results)).hits))
+    """Distance of hits from the true place in the frame that told each.
+
+    Where nobody knows it, from the target: with people's own scatter in it, so without a verdict.
+    """
+    parts = pick.pointing(results)
+    off = spatial(from_truth(pick.touches(parts).hits))
     if off is None:
         return None
-    return Measured(f"{off.mean_mm:.1f} ± {off.sd_mm:.1f} mm", off.mean_mm <= SPATIAL_MM)
+    words = f"{off.mean_mm:.1f} ± {off.sd_mm:.1f} mm"
+    if any(part.asked for part in parts):
+        return Measured(f"{words} from the target")
+    return Measured(words, off.mean_mm <= SPATIAL_MM)
 
 
 def spatial_error_as_the_paper(results: Sequence[Result]) -> Measured | None:
@@ -126,33 +133,36 @@ def worst_family(kind: str, unit: str, most: float) -> Measure:
 
     def measure(results: Sequence[Result]) -> Measured | None:
         families = sorted({r.subject.family for r in results if r.scores and r.subject.family})
-        means = {}
+        means, unseens = {}, {}
         for family in families:
             mine = [r for r in results if r.subject.family == family]
             for noisy in (False, True):
-                mean, _ = pick.mean_error(pick.trials(mine, kind, noisy))
+                held = pick.trials(mine, kind, noisy)
+                who = f"{family}{', doubled noise' if noisy else ''}"
+                mean, _ = pick.mean_error(held)
+                unseens[who] = pick.unseen(held)
                 if not np.isnan(mean):
-                    means[family, noisy] = mean
+                    means[who] = mean
         if not means:
             return None
-        (family, noisy), mean = max(means.items(), key=lambda item: item[1])
-        return Measured(
-            f"{mean:.2f} {unit} ({family}{', doubled noise' if noisy else ''})", mean <= most
-        )
+        worst, silent = (max(each, key=each.__getitem__) for each in (means, unseens))
+        mean, unseen = means[worst], unseens[silent]
+        words = f"{mean:.2f} {unit} ({worst})"
+        if unseen > UNSEEN:
+            words += f", {100 * unseen:.0f} % unseen ({silent})"
+        return Measured(words, mean <= most and unseen <= UNSEEN)
 
     return measure
 
 
 def wrong_keys(results: Sequence[Result]) -> Measured | None:
-    """Keystrokes told as another key; who misses as many has not told the others rightly."""
+    """Keystrokes told as another key, not at all, or twice."""
     keys = sum((part.keys for part in pick.tasks(results, *pick.TYPING, pick.RECORDING)), Keys())
     if not keys.struck:
         return None
-    wrong, missed = keys.wrong / keys.struck, keys.missed / keys.struck
-    words = f"{100 * wrong:.1f} % of {keys.struck}"
-    if keys.missed:
-        words += f" ({keys.missed} missed)"
-    return Measured(words, max(wrong, missed) <= WRONG_KEYS)
+    shares = [count / keys.struck for count in (keys.wrong, keys.missed, keys.doubled)]
+    words = " / ".join(f"{100 * share:.1f}" for share in shares) + f" % of {keys.struck}"
+    return Measured(words, max(shares) <= WRONG_KEYS)
 
 
 def awpm(results: Sequence[Result]) -> Measured | None:
@@ -166,14 +176,17 @@ def awpm(results: Sequence[Result]) -> Measured | None:
 
 
 def contact_to_down(results: Sequence[Result]) -> Measured | None:
-    """From contact to the frame that told it, on the frames' clock."""
+    """From contact to the frame that told it, on the frames' clock; 0 for one told before it."""
     timing = [each for part in pick.pointing(results) for each in part.timing]
     if not timing:
         return None
-    late = float(np.median([each.down_ms for each in timing]))
-    frames = float(np.median([each.frames_late for each in timing]))
-    p95 = float(np.percentile([each.down_ms for each in timing], 95.0))
-    return Measured(f"{late:.0f} ms (p95 {p95:.0f}), {frames:+g} frames", late <= FRAME_MS)
+    median, p95 = np.percentile([each.late_ms for each in timing], (50.0, 95.0)).tolist()
+    frames = float(np.median([each.late_frames for each in timing]))
+    early = 100.0 * float(np.mean([each.early for each in timing]))
+    words = (
+        f"{median:.0f} ms (p95 {p95:.0f}), {frames:+g} frames, {early:.0f} % told before contact"
+    )
+    return Measured(words, median <= FRAME_MS)
 
 
 def strike_speed(results: Sequence[Result]) -> Measured | None:

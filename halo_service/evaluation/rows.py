@@ -92,8 +92,9 @@ def _spatial(scores: Scores) -> Iterator[Figure]:
 
 def _timing(scores: Scores) -> Iterator[Figure]:
     timing = scores.timing
-    yield "down_frames_median", _percentile([each.frames_late for each in timing])
-    yield "down_ms_median", _percentile([each.down_ms for each in timing])
+    yield "down_frames_median", _percentile([each.late_frames for each in timing])
+    yield "down_ms_median", _percentile([each.late_ms for each in timing])
+    yield "down_before_contact_share", _mean(each.early for each in timing)
     yield "down_ago_error_ms_median", _percentile([abs(t.down_ago_error_ms) for t in timing])
     yield "up_ms_median", _percentile([t.up_ms for t in timing if t.up_ms is not None])
 

@@ -131,6 +131,15 @@ def require_fit(profile: Profile, camera: Camera) -> None:
             )
 
 
+def require_touch(profile: Profile) -> None:
+    """Raise `UserError` for a profile that no touch can be told with."""
+    if profile.touch is None:
+        raise UserError(
+            f"the profile {profile.name} has no touch states, so no touch can be told with it: "
+            "run 'halo calibrate touch' with it"
+        )
+
+
 def _same_lens(a: Lens, b: Lens) -> bool:
     """Compare to what a calibration file keeps of a lens; it is not read back to the last bit."""
     return np.allclose(_numbers(a), _numbers(b), rtol=1e-6, atol=1e-9)

@@ -99,8 +99,8 @@ def _stand_back() -> None:
     """Let this thread, and those that it starts, never push another one off a core.
 
     Linux alone knows how: a batch thread gets its full share, but when it wakes it waits until a
-    core is free. The model's own threads wake many times a picture, and the frames' thread lost
-    its core to them: `halo bench` with two hands took 8.8 ms a frame, and takes 5.0 so.
+    core is free. The model's own threads wake many times a picture, and with two hands the
+    frames' thread lost its core to them, for a third of the time that a frame took.
     """
     batch = getattr(os, "SCHED_BATCH", None)
     if batch is None:

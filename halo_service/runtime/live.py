@@ -143,12 +143,11 @@ class LiveLoop:
             self._pulse.bad_frames += 1
             self._let_go(capture.time_us)
             return
-        tracked = None
-        if self._tracker is not None:
-            self._tracker.offer(capture)
-            tracked = self._tracker.newest
+        tracked = None if self._tracker is None else self._tracker.newest
         told, self._state = step(self._state, capture, tracked)
         self._publish(told)
+        if self._tracker is not None:
+            self._tracker.offer(capture)  # it wants a core too, and by now nobody waits
         age_us = capture.time_us - tracked.time_us if tracked else None
         self._pulse.sent(received_s, self._sent_s, age_us)
         self._watch(capture)

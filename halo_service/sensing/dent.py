@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halo_service.profile import Profile
 from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.straight import unit
 from halo_service.values import Fingertip
 
 Floats = NDArray[np.float64]
@@ -43,11 +44,7 @@ _REACH = math.ceil(RING_PX[1])
 
 def dent_under(revealed: Revealed, tip: Fingertip, profile: Profile) -> float:
     """Return the depth of the dent's middle, mm, about 0 without one; nan where it is hidden."""
-    dx, dy = tip.tip_px[0] - tip.distal_px[0], tip.tip_px[1] - tip.distal_px[1]
-    length = math.hypot(dx, dy)
-    if length == 0.0:
-        return math.nan
-    dx, dy = dx / length, dy / length
+    dx, dy = unit(tip.distal_px, tip.tip_px)
     pad_px = profile.surface.in_picture(np.array([tip.pad_mm]), profile.camera.depth, np.eye(4))
     pad = revealed.inside((float(pad_px[0, 0]), float(pad_px[0, 1])))
     x, y = pad[0] + AHEAD_PX * dx, pad[1] + AHEAD_PX * dy

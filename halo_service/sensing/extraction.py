@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from halo_service.sensing.revealer import Revealed
+from halo_service.sensing.straight import unit
 from halo_service.values import Fingertip
 
 PATCH_WIDTH_PX = 30
@@ -19,8 +18,6 @@ FREE_PX = 493
 """Pixels of the patch that a lone finger leaves free (chosen: it hides a sixth)."""
 LEAST_FREE_PX = 120
 """No fewer stand for all: a quarter."""
-LINE_PX = 15
-"""How far beyond the tip the finger's line is followed (chosen: the halo's reach)."""
 
 
 def extract(revealed: Revealed, tip: Fingertip) -> float:
@@ -29,7 +26,7 @@ def extract(revealed: Revealed, tip: Fingertip) -> float:
     The patch lies across the finger. Where more of it is hidden than by a lone finger, by the
     hand itself, by a neighbour or by pixels that measured nothing, what is left stands for all.
     """
-    dx, dy = _direction(tip)
+    dx, dy = unit(tip.distal_px, tip.tip_px)
     end = revealed.inside(tip.tip_px)
     # The edge of a silhouette lies between two pixels, where rounding would waver.
     x = np.floor(end[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
@@ -40,30 +37,3 @@ def extract(revealed: Revealed, tip: Fingertip) -> float:
     signal = float(revealed.excess_mm[y, x][revealed.halo[y, x]].sum())
     free = np.count_nonzero(revealed.free[y, x])
     return signal * FREE_PX / max(free, LEAST_FREE_PX)
-
-
-def _direction(tip: Fingertip) -> tuple[float, float]:
-    dx, dy = tip.tip_px[0] - tip.distal_px[0], tip.tip_px[1] - tip.distal_px[1]
-    length = math.hypot(dx, dy)
-    return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)
-
-
-def line_pixels(revealed: Revealed, tip: Fingertip) -> int:
-    """Count halo pixels on the line from the distal joint through the tip and just beyond it.
-
-    The paper (4.3.6) follows the line between tip and joint; a halo is on the surface, so we
-    follow the same line on past the tip, where surface is.
-    """
-    dx, dy = tip.tip_px[0] - tip.distal_px[0], tip.tip_px[1] - tip.distal_px[1]
-    length = math.hypot(dx, dy)
-    if length == 0.0:
-        return 0
-    joint = revealed.inside(tip.distal_px)
-    height, width = revealed.halo.shape
-    count = 0
-    for step in range(round(length) + LINE_PX):
-        x = round(joint[0] + dx * step / length)
-        y = round(joint[1] + dy * step / length)
-        if 0 <= x < width and 0 <= y < height:
-            count += bool(revealed.halo[y, x])
-    return count

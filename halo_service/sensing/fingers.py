@@ -15,6 +15,7 @@ from halo_service.sensing.detector import Detector
 from halo_service.sensing.pointers import Motion
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.sightings import Pixel, Sighting
+from halo_service.sensing.straight import unit
 from halo_service.sensing.territory import Expected
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
@@ -166,13 +167,6 @@ def _ahead(path: tuple[Past, ...], time_us: int) -> Pixel:
 
 def _moved(place: Pixel, by: Pixel) -> Pixel:
     return place[0] + by[0], place[1] + by[1]
-
-
-def unit(start: Pixel, end: Pixel) -> Pixel:
-    """Return the unit vector from one place to another; up the image where they are one."""
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    length = math.hypot(dx, dy)
-    return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)
 
 
 def changes(before: Memory, now: Memory | None) -> tuple[TouchEvent, ...]:

@@ -1,8 +1,8 @@
-"""Stage 3: fingertips, carried forward from the tracker's frame to the present one.
+"""Stage 3: fingertips, put where the present frame shows them.
 
-The hand tracker is late by a frame or more and its landmarks are some pixels off. So each tip
-is moved by what the same finger has done since, then put on the end of the finger's outline in
-the present depth frame. Under the middle of that round end lies the pad.
+The hand tracker is late by a frame or more and its landmarks are some pixels off; `fingers` says
+how far a tip has gone since. Here it is put on the end of the finger's outline in the present
+depth frame. Under the middle of that round end lies the pad.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from halo_service.profile import Profile
 from halo_service.sensing.outline import Outline, outline
 from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.ridge import angles, height_behind
-from halo_service.sensing.sightings import Pixel, Sighting
+from halo_service.sensing.sightings import Sighting
+from halo_service.sensing.straight import unit
 from halo_service.values import Depth, Fingertip
 
 TIP_RADIUS_MM = 7.0
@@ -36,7 +37,6 @@ TYPICAL_PITCH_DEG = 45.0
 
 def locate(
     sighting: Sighting,
-    moved_px: Pixel,
     revealed: Revealed,
     depth: Depth,
     profile: Profile,
@@ -45,12 +45,11 @@ def locate(
 ) -> Fingertip:
     """Find a sighted tip in the present frame.
 
-    `moved_px`: how far this finger's tip has gone since the tracker's frame, as far as known;
+    `sighting`: where it is expected there;
     `thickness_mm`, `radius_mm`: of the fingertip, from pad to nail and from side to middle.
     """
     camera, surface = profile.camera, profile.surface
-    towards = _unit(sighting.distal_px, sighting.tip_px)
-    guess = (sighting.tip_px[0] + moved_px[0], sighting.tip_px[1] + moved_px[1])
+    guess, towards = sighting.tip_px, unit(sighting.distal_px, sighting.tip_px)
     px_per_mm = camera.depth.fx / max(float(surface.camera_from_surface[2, 3]), 1.0)
     seen = outline(revealed, depth, guess, towards, radius_mm * px_per_mm)
     end = seen or Outline(guess, towards, math.nan, False)
@@ -99,9 +98,3 @@ def _pad(rays: Points, surface: Surface, height_mm: float, radius_mm: float) -> 
     back = (behind - end) / max(float(np.linalg.norm(behind - end)), 1e-6)
     x, y = end + radius_mm * back
     return float(x), float(y)
-
-
-def _unit(start: Pixel, end: Pixel) -> Pixel:
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    length = math.hypot(dx, dy)
-    return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)

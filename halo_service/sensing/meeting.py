@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 
-from halo_service.sensing.fingers import Memory, Past, unit
+from halo_service.sensing.fingers import Memory, Past
 from halo_service.sensing.sightings import Pixel, Sighting
+from halo_service.sensing.straight import unit
 from halo_service.sensing.territory import FINGER_PX
 from halo_service.values import Side
 

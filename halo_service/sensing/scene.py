@@ -24,8 +24,6 @@ from halo_service.sensing.territory import (
 )
 from halo_service.values import Fingertip, Frame
 
-STILL = (0.0, 0.0)
-"""Where a finger is expected, it is expected now."""
 LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
 """A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
 does not is surface."""
@@ -98,7 +96,6 @@ def _tip(
     """Return the fingertip about a place, or None where no finger is."""
     tip = locate(
         sighted(finger, place),
-        STILL,
         own,
         scene.frame.depth,
         scene.profile,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import cv2
@@ -38,6 +39,13 @@ def nearest(image: Floats, tip: Pixel, direction: Pixel, at: Grid, outside: floa
     """Read the nearest pixels, and a value outside."""
     x, y = _places(tip, direction, at)
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_NEAREST, borderValue=(outside,)))
+
+
+def unit(start: Pixel, end: Pixel) -> Pixel:
+    """Return the unit vector from one place to another; up the image where they are one."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.hypot(dx, dy)
+    return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)
 
 
 def moved(point: Pixel, direction: Pixel, along: float, across: float) -> Pixel:

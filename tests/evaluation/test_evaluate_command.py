@@ -25,6 +25,7 @@ from halo_service.virtual.naming import wish
         (["--kept-only"], "no kept takes of these users and materials"),
         (["--truth", "t.jsonl", "--tasks", "juggling"], "the study, which has no use for --truth:"),
         (["--source", "recording:x", "--tasks", "juggling"], "has no use for --source:"),
+        (["--no-colour", "--tasks", "juggling"], "has no use for --no-colour: leave"),
         (["--profile", "desk", "--tasks", "juggling"], "has no use for --profile: leave --profile"),
         (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick has no use for --lab"),
         (["--kept-only", "--labels", "nowhere"], "--kept-only has no use for --labels:"),

@@ -98,13 +98,25 @@ def test_a_pointer_of_another_finger_is_no_reading():
     [
         ({"state": Touch.TOUCH, "force_g": 96.25}, 0.0),
         ({"state": Touch.TOUCH, "force_g": 96.25 + 38.5}, 10.0),
-        ({"state": Touch.HOVER, "force_g": -1.0}, 25.0),
+        ({"state": Touch.HOVER, "force_g": 0.0}, 25.0),
     ],
     ids=["exactly", "a tenth of 385 g too much", "in the air: nothing"],
 )
 def test_pressure_is_off_by_shares_of_385_g(told, error):
     trial = held(0.0, everywhere([pointer(hover_mm=0.0, **told)]), PRESS, force_g=96.25)
     assert trial.error == pytest.approx(error)
+
+
+@pytest.mark.parametrize("state", [Touch.TOUCH, Touch.HOVER])
+def test_who_does_not_say_how_hard_gives_no_reading(state):
+    silent = {"state": state, "hover_mm": 0.0, "force_g": -1.0}
+    trial = held(0.0, everywhere([pointer(**silent)]), PRESS, force_g=96.25)
+    assert np.isnan([trial.error, trial.bias, trial.told]).all()
+    assert trial.unseen == 1.0
+    half = {k: [pointer(**silent | ({"force_g": 96.25} if k % 2 else {}))] for k in range(COUNT)}
+    trial = held(0.0, half, PRESS, force_g=96.25)
+    assert trial.unseen == pytest.approx(0.5)
+    assert trial.error == pytest.approx(0.0 if state is Touch.TOUCH else 25.0)
 
 
 def test_frames_beside_the_step_do_not_count():
@@ -213,6 +225,48 @@ def test_a_touch_that_is_told_long_after_its_end_sticks(ends, stuck):
     assert conduct_of(lines, {5: [down()]} | ends).stuck == stuck
 
 
+def pressed(begin, end, x_mm=100.0, **more):
+    """The truth's lines of a finger that touches from frame to frame, and is in the air else."""
+    fingers = {k: [finger(x_mm, height_mm=0.0, **more)] for k in range(begin, end + 1)}
+    return [*truth_frames(COUNT, fingers), contact(begin, end, x_mm, **more)]
+
+
+AIR = truth_frames(COUNT)
+TOLD_TWICE = {5: [down(1)], 8: [down(2)], 10: [up(1)]}
+STUCK = {
+    "a ghost that ends soon": (AIR, {5: [down()], 12: [up()]}, 0),
+    "a ghost that goes on": (AIR, {5: [down()], 13: [up()]}, 1),
+    "a ghost that never ends": (AIR, {5: [down()]}, 1),
+    "a ghost long before a touch there": (pressed(18, 24), {5: [down()], 25: [up()]}, 1),
+    "a doubled touch that ends with the finger's": (
+        pressed(5, 10), TOLD_TWICE | {11: [up(2)]}, 0),
+    "a doubled touch that never ends": (pressed(5, 10), TOLD_TWICE, 1),
+    "outside, while a finger touches 35 mm from there": (
+        pressed(5, 25, 135.0), {6: [down(2)], 26: [up(2)]}, 0),
+    "outside, on and on": (pressed(5, 12, 135.0), {6: [down(2)], 26: [up(2)]}, 1),
+    "told of this finger, far from it": (pressed(5, 25, 160.0), {6: [down()], 26: [up()]}, 0),
+    "told of a finger in the air, far from the one that touches": (
+        pressed(5, 25, 160.0, finger="middle"), {6: [down()], 26: [up()]}, 1),
+    "during a touch that the take's end cuts off": (
+        [line for line in pressed(5, 29) if "contact" not in line], {5: [down()]}, 0),
+    "of a tap that no frame was taken of": ([*AIR, contact(4.3, 4.6)], {5: [down()]}, 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("lines, events, stuck", STUCK.values(), ids=STUCK.keys())
+def test_what_is_no_touch_can_stick_too(lines, events, stuck):
+    assert conduct_of(lines, events).stuck == stuck
+
+
+@pytest.mark.parametrize("lifts, stuck", [(COUNT, 0), (18, 1)], ids=["to the end", "left behind"])
+def test_a_touch_told_anew_along_a_drag_sticks_only_without_its_finger(lifts, stuck):
+    fingers = {k: [finger(10.0 * k, height_mm=0.0 if k < lifts else 30.0)] for k in range(COUNT)}
+    lines = [*truth_frames(COUNT, fingers), contact(0, min(lifts, COUNT) - 1, 0.0)]
+    told = {k: [pointer(x_mm=10.0 * k, finger=Finger.MIDDLE)] for k in range(COUNT)}
+    events = {0: [down(x_mm=0.0)], 8: [up()], 9: [down(x_mm=90.0)], COUNT - 1: [up()]}
+    assert conduct_of(lines, events, told).stuck == stuck
+
+
 def test_a_finger_that_stays_keeps_its_id():
     renamed = {k: [pointer(1 if k < 10 else 2)] for k in range(COUNT)}
     assert conduct_of(truth_frames(COUNT), pointers=renamed).id_changes == 1
@@ -266,14 +320,21 @@ def test_the_threshold_is_the_least_lift_from_which_on_nearly_all_are_told(told,
     assert threshold_mm(told_by_lift(retaps)) == threshold
 
 
-def typed_touches(text, told):
-    """Type a text exactly; `told`: what of each stroke is published, mm beside it or None."""
+def typed_touches(text, told, again=(), aside_mm=0.0):
+    """Type a text; `told`: what of each stroke is published, mm beside it or None.
+
+    `again`: mm beside the key at which some strokes are told once more, by their number;
+    `aside_mm`: how far beside the middle of their keys the fingers land.
+    """
     layout, lines, downs = keys(), [], {}
     for k, (character, off) in enumerate(zip(text, told, strict=True)):
         x, y = layout[character].middle
-        lines.append(contact(15 * k + 5, 15 * k + 8, x, y, key=character, target_mm=[x, y]))
+        landed = x + aside_mm, y
+        lines.append(contact(15 * k + 5, 15 * k + 8, *landed, key=character, target_mm=[x, y]))
         if off is not None:
             downs[15 * k + 5] = [down(x_mm=x + off, y_mm=y)]
+        if k in dict(again):
+            downs[15 * k + 7] = [down(x_mm=x + dict(again)[k], y_mm=y)]
     count = 15 * len(text) + 10
     return score_touches(told_frames(count, downs), truth_of([*truth_frames(count), *lines]))
 
@@ -282,6 +343,44 @@ def test_keys_are_wrong_where_another_was_told():
     touches = typed_touches("table", [0.0, 5.0, 12.0, None, -3.0])
     counted = score_keys(touches)
     assert (counted.struck, counted.wrong, counted.missed) == (5, 1, 1)
+
+
+@pytest.mark.parametrize(
+    "again, aside_mm, doubled",
+    [
+        ({}, 0.0, 0),
+        ({0: 0.0}, 0.0, 1),
+        ({0: 0.0, 2: 16.0}, 0.0, 2),
+        ({0: -24.0}, 0.0, 0),
+        ({0: 0.0}, 7.0, 0),
+    ],
+    ids=[
+        "each once",
+        "one twice",
+        "one as its neighbour, too",
+        "beside the keyboard",
+        "landed at the key's edge",
+    ],
+)
+def test_keys_are_doubled_where_the_finger_landed_well_inside(again, aside_mm, doubled):
+    touches = typed_touches("qaz", [0.0] * 3, tuple(again.items()), aside_mm)
+    assert len(touches.doubled) == len(again)
+    assert score_keys(touches).doubled == doubled
+
+
+def test_a_doubled_down_counts_for_the_stroke_that_it_is_nearest_to():
+    """Two fingers at once: one well inside `q`, the other at the edge of `w` and told twice."""
+    layout = keys()
+    (qx, y), (wx, _) = layout["q"].middle, layout["w"].middle
+    lines = [
+        contact(5, 9, qx, y, key="q", target_mm=[qx, y]),
+        contact(5, 9, wx + 7.0, y, key="w", target_mm=[wx, y], hand="left"),
+    ]
+    downs = {5: [down(1, qx, y), down(2, wx, y)], 7: [down(3, wx + 3.0, y)]}
+    touches = score_touches(told_frames(15, downs), truth_of([*truth_frames(15), *lines]))
+    counted = score_keys(touches)
+    assert len(touches.doubled) == 1
+    assert (counted.struck, counted.doubled) == (1, 0)
 
 
 def test_the_text_is_what_the_told_keys_spell():

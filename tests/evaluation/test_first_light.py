@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from halo_calibration.errors import Refused
-from halo_service.app.first_light import Ask, asked, conduct
+from halo_service.app.cli import main
+from halo_service.app.first_light import Ask, asked, conduct, require_crosses
+from halo_service.errors import UserError
 from halo_service.evaluation.together import Played
+from halo_service.geometry.surface import Surface
+from halo_service.outputs.recorder import Recorder
+from halo_service.profile import Profile, StepRecord
+from halo_service.profile.store import save
 from halo_service.values import BadFrame, Frame
+from halo_service.virtual.camera import factory
+from halo_service.virtual.plays.study import targets
 
 FRAME_US = 33_333
 UNIX_US = 1_700_000_000_000_000
@@ -25,14 +35,110 @@ def live(count: int) -> Iterator[Frame | BadFrame]:
         yield BadFrame(time_us, "torn") if bad else Frame(time_us, NOTHING, NOTHING)
 
 
+BY_VIEW = StepRecord("2026-01-01T00:00:00Z", "good", {"residual_mm": 0.3})
+BY_MARKERS = StepRecord("2026-01-01T00:00:00Z", "good", {"error_mm": 0.3, "print_scale": 1.0})
+
+
+def surface_of(width_mm: float, height_mm: float) -> Surface:
+    return Surface("table", width_mm, height_mm, np.eye(4))
+
+
+@pytest.fixture
+def found(profile: Profile) -> Profile:
+    """A profile whose surface was found on the printed sheet."""
+    return replace(profile, steps={"surface": BY_MARKERS})
+
+
 def test_the_session_asks_for_the_papers_targets_heights_and_forces() -> None:
-    steps = [ask.step for ask in asked()]
+    asks = list(asked(surface_of(300.0, 200.0)))
+    steps = [ask.step for ask in asks]
     assert {name: steps.count(name) for name in steps} == {
         "target": 32,
         "hover": 10,
         "pressure": 10,
     }
-    assert 200.0 < sum(ask.ready_s + ask.seconds for ask in asked()) < 300.0
+    assert 200.0 < sum(ask.ready_s + ask.seconds for ask in asks) < 300.0
+    crosses = [tuple(ask.fields["target_mm"]) for ask in asks if ask.step == "target"]
+    assert crosses == 2 * targets()
+
+
+def test_the_crosses_lie_around_the_middle_of_the_profiles_surface() -> None:
+    asks = [ask for ask in asked(surface_of(400.0, 180.0)) if ask.step == "target"][:16]
+    assert asks[0].words == "Touch cross 1-1 once."
+    assert asks[0].fields["target_mm"] == [125.0, 15.0]
+    assert asks[7].words == "Touch cross 2-4 once."
+    assert asks[7].fields["target_mm"] == [275.0, 65.0]
+    assert np.mean([ask.fields["target_mm"] for ask in asks], axis=0) == pytest.approx([200, 90])
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"touch": None}, "has no touch states"),
+        ({"steps": {}}, "--by markers"),
+        ({"steps": {"surface": BY_VIEW}}, "lay the surface sheet exactly on theirs"),
+        ({"surface": surface_of(300.0, 169.0)}, "300 x 169 mm, and the crosses want 170 x 170 mm"),
+        ({"surface": surface_of(150.0, 200.0)}, "150 x 200 mm, and the crosses want 170 x 170 mm"),
+    ],
+)
+def test_a_profile_that_cannot_tell_where_the_crosses_are_is_refused(
+    changes: dict[str, object], says: str, found: Profile
+) -> None:
+    require_crosses(found)
+    require_crosses(replace(found, surface=surface_of(170.0, 170.0)))
+    with pytest.raises(UserError) as refused:
+        require_crosses(replace(found, **changes))  # type: ignore[arg-type]
+    assert says in str(refused.value)
+    assert "run 'halo calibrate " in str(refused.value)
+
+
+def test_the_virtual_tables_targets_are_around_the_middle_of_its_view(found: Profile) -> None:
+    require_crosses(replace(found, camera=factory(), steps={"surface": BY_VIEW}))
+
+
+def test_prompts_keep_out_of_the_figures_and_nothing_of_half_a_session_is_kept(
+    found: Profile,
+    draw: Callable[..., Frame],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # This camera has no colour, so only --no-colour can record it.
+    with Recorder(tmp_path / "take.mkv", found.camera, fps=30, colour=False) as recorder:
+        for index in range(3):
+            recorder.write(draw(time_us=index * FRAME_US))
+    save(found, tmp_path / "profile")
+    options = ("--profile", str(tmp_path / "profile"), "--no-colour", "--csv", "-")
+    source = f"recording:{tmp_path / 'take.mkv'}"
+    folder = tmp_path / "first-light"
+    assert main(["evaluate", "--live", str(folder), "--source", source, *options]) == 2
+    told = capsys.readouterr()
+    assert "Touch cross 1-1 once." in told.err
+    assert "the recording ended during 'target'" in told.err
+    assert told.out == ""
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["evaluate", "take.mkv", "--truth", "t.jsonl"],
+        ["evaluate", "--live", "folder"],
+        ["bench", "--source", "recording:take.mkv"],
+    ],
+)
+def test_a_profile_that_tells_no_touches_is_refused_before_anything_is_opened(
+    command: list[str],
+    found: Profile,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    save(replace(found, touch=None), tmp_path / "profile")
+    (tmp_path / "t.jsonl").touch()
+    assert main([*command, "--profile", "./profile"]) == 2
+    assert "the profile drawn has no touch states" in capsys.readouterr().err
+    assert {path.name for path in tmp_path.iterdir()} == {"profile", "t.jsonl"}
 
 
 def test_what_is_asked_for_is_the_script_on_the_recordings_own_clock() -> None:

@@ -38,7 +38,10 @@ def block(arrangement: Arrangement, ms: Sequence[float], *downs_at: int) -> Bloc
         for n, each in enumerate(ms)
     )
     spent = Spent(2.0 * len(ms), 1.0 * len(ms), 0.5 * len(ms))
-    return Block(arrangement, rows, len(ms), 0, spent, Heard(9, len(ms) + 1), unasked=1)
+    ages = (33.0, 35.0) if arrangement == "ours" else ()
+    return Block(
+        arrangement, rows, len(ms), 0, spent, Heard(9, len(ms) + 1), unasked=1, hands_ms=ages
+    )
 
 
 def case(profile: Profile, camera: Camera, *blocks: Block, contacts: Sequence[int] = ()) -> Case:
@@ -65,18 +68,21 @@ def test_stages_percentiles_and_work_are_summed_over_all_blocks(
     assert ours.stages["wait"].median + ours.stages["send"].median == pytest.approx(4.0)
     assert (ours.cpu_a_frame, ours.path_cpu_a_frame) == pytest.approx((2.0, 1.0))
     assert ours.core_wait_a_frame == pytest.approx(0.5)
+    assert ours.hands is not None
+    assert ours.hands.median == pytest.approx(34.0)
+    assert summed.sequential.hands is None
     assert summed.ratio == pytest.approx(10.0)
     assert summed.contacts is None
 
 
 @pytest.mark.parametrize(
-    ("begins_us", "downs_at", "delay_ms"),
+    ("begins_us", "downs_at", "delay_ms", "early"),
     [
-        pytest.param(70_000, (3,), 99.999 - 70.0 + 4.0, id="in the frame after the contact"),
-        pytest.param(105_000, (3,), 99.999 - 105.0 + 4.0, id="foreseen by a few milliseconds"),
-        pytest.param(200_000, (3,), None, id="long before the contact"),
-        pytest.param(10_000, (9,), None, id="long after it"),
-        pytest.param(70_000, (), None, id="never"),
+        pytest.param(70_000, (3,), 99.999 - 70.0 + 4.0, 0, id="in the frame after the contact"),
+        pytest.param(105_000, (3,), 0.0, 1, id="foreseen by a few milliseconds"),
+        pytest.param(200_000, (3,), None, 0, id="long before the contact"),
+        pytest.param(10_000, (9,), None, 0, id="long after it"),
+        pytest.param(70_000, (), None, 0, id="never"),
     ],
 )
 def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
@@ -85,6 +91,7 @@ def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
     begins_us: int,
     downs_at: tuple[int, ...],
     delay_ms: float | None,
+    early: int,
 ) -> None:
     summed = case(
         profile,
@@ -98,9 +105,26 @@ def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
         assert told is None
     else:
         assert told is not None
-        assert (told.true, told.told) == (1, 1)
+        assert (told.true, told.told, told.early) == (1, 1, early)
         assert told.median_ms == pytest.approx(delay_ms)
         assert told.median_frames == pytest.approx(delay_ms / (1000 / 30))
+
+
+def test_what_is_sent_before_a_contact_makes_up_for_nothing(
+    profile: Profile, camera: Camera
+) -> None:
+    summed = case(
+        profile,
+        camera,
+        block("ours", [4.0] * 12, 3, 9),
+        block("sequential", [40.0] * 12),
+        contacts=[140_000, 290_000],  # 36 ms after the one message, 14 ms before the other
+    )
+    told = summed.contacts
+    assert told is not None
+    assert told.early == 1
+    assert told.median_ms == pytest.approx((0.0 + 9 * FRAME_US / 1e3 + 4.0 - 290.0) / 2)
+    assert "2 of 2 told, 1 before contact" in "\n".join(table(summed))
 
 
 def test_one_down_tells_one_contact(profile: Profile, camera: Camera) -> None:
@@ -140,7 +164,7 @@ def test_each_goal_says_whether_it_is_reached(
     )
     assert [goal.passed for goal in goals(summed)] == passed
     told = "\n".join(table(summed))
-    assert "other programs" not in told  # 0.5 ms a frame are nothing
+    assert "waited" not in told  # 0.5 ms a frame are nothing
     assert told.count("pass") == sum(passed)
     assert told.count("falls short") == len(passed) - sum(passed)
 
@@ -162,7 +186,7 @@ def test_a_case_is_plain_enough_for_json(profile: Profile, camera: Camera) -> No
     for each in (said["ours"], said["sequential"]):
         assert set(each) == {
             "frames", "dropped", "heard", "datagrams", "latency", "stages", "cpu_a_frame",
-            "path_cpu_a_frame", "core_wait_a_frame",
+            "path_cpu_a_frame", "core_wait_a_frame", "hands",
         }  # fmt: skip
         assert set(each["latency"]) == {"median", "p95", "p99", "most"}
 
@@ -171,7 +195,7 @@ def test_a_disturbed_run_says_so(profile: Profile, camera: Camera) -> None:
     ours = block("ours", [9.0] * 6)
     disturbed = replace(ours, spent=replace(ours.spent, core_wait_ms=6 * 4.2))
     told = "\n".join(table(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
-    assert "kept our frames off the cores for 4.2 ms each" in told
+    assert "waited 4.2 ms for a core" in told
 
 
 def test_the_table_names_each_stage_of_either_once(profile: Profile, camera: Camera) -> None:

@@ -4,12 +4,15 @@ import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from halo_service.evaluation.breakdown import breakdown
 from halo_service.evaluation.goals import GOALS, NOT_MEASURED, PASS, SHORT, goal_table
 from halo_service.evaluation.report.page import page
 from halo_service.evaluation.result import Result, Subject
+from halo_service.evaluation.rows import figures
+from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.conduct import Conduct
 from halo_service.evaluation.scores.keys import Keys
 from halo_service.evaluation.scores.levels import Trial
@@ -22,8 +25,8 @@ SUBJECT = Subject("201-wood", 201, "wood", "straight")
 FACTS = {"command": "halo evaluate", "users": "201 & 202"}
 
 
-def taps(count=6, missed=(), doubled=(), off_mm=1.0):
-    """Scores of so many touches of targets, told 1 mm off in their first frame."""
+def taps(count=6, missed=(), doubled=(), off_mm=1.0, early=()):
+    """Scores of so many touches of targets, told 1 mm off in their first frame or one early."""
     lines, events, fingers = [], {}, {}
     for k in range(count):
         begin = 12 * k + 5
@@ -31,7 +34,8 @@ def taps(count=6, missed=(), doubled=(), off_mm=1.0):
         lines.append(contact(begin - 0.5, begin + 5, *aim, target_mm=aim))
         fingers |= {frame: [finger(*aim)] for frame in range(begin, begin + 6)}
         if k not in missed:
-            events[begin] = [down(x_mm=aim[0] + off_mm, y_mm=aim[1], strike_mm_s=180.0)]
+            told = begin - (k in early)
+            events[told] = [down(x_mm=aim[0] + off_mm, y_mm=aim[1], strike_mm_s=180.0)]
             events[begin + 6] = [up()]
         if k in doubled:
             events[begin + 3] = [down(x_mm=aim[0], y_mm=aim[1])]
@@ -67,8 +71,8 @@ CASES = {
     "none missed": ("missed", [result(taps())], PASS),
     "one doubled of a few": ("missed", [result(taps(doubled=[1]))], SHORT),
     "no touch at all": ("touch:", [result(empty())], NOT_MEASURED),
-    "near": ("spatial error, nothing", [result(taps(off_mm=2.9))], PASS),
-    "far": ("spatial error, nothing", [result(taps(off_mm=3.1))], SHORT),
+    "near": ("spatial error of hits", [result(taps(off_mm=2.9))], PASS),
+    "far": ("spatial error of hits", [result(taps(off_mm=3.1))], SHORT),
     "in the first frame": ("contact", [result(taps())], PASS),
     "hover within": ("hover error", [result(held(0.9), "hover")], PASS),
     "hover beyond": ("hover error", [result(held(1.1), "hover")], SHORT),
@@ -84,6 +88,21 @@ CASES = {
         "keys",
         [result(empty(keys=Keys(100, 0, missed=2)), "typing")],
         SHORT,
+    ),
+    "right, but two in 100 doubled": (
+        "keys",
+        [result(empty(keys=Keys(100, 0, doubled=2)), "typing")],
+        SHORT,
+    ),
+    "one missed, another doubled": (
+        "keys",
+        [result(empty(keys=Keys(100, 1, 1, 1)), "typing")],
+        PASS,
+    ),
+    "nobody says how hard": (
+        "pressure error",
+        [result(held(np.nan, "pressure", unseen=1.0), "pressure")],
+        NOT_MEASURED,
     ),
     "a stuck touch": ("touches that stick", [result(empty(conduct=Conduct(1)))], SHORT),
     "real taps": ("real people", [result(taps(), "labels-05_1")], PASS),
@@ -103,6 +122,36 @@ def test_the_worst_family_is_named_though_the_mean_would_pass():
     results.append(result(held(4.0), "hover-noise2", subject=poor))
     told = line_of("hover error, worst", results)
     assert told == f"4.00 mm (straight, doubled noise), {SHORT}"
+
+
+def test_a_family_for_which_nothing_is_told_is_not_the_best():
+    fine, poor = replace(SUBJECT, family="sigmoid"), replace(SUBJECT, family="straight")
+    results = [
+        result(held(0.5), "hover", subject=fine),
+        result(held(np.nan, unseen=1.0), "hover-noise2", subject=poor),
+    ]
+    told = line_of("hover error, worst", results)
+    assert told == f"0.50 mm (sigmoid), 100 % unseen (straight, doubled noise), {SHORT}"
+    assert line_of("hover error, worst", results[:1]) == f"0.50 mm (sigmoid), {PASS}"
+    assert line_of("hover error, worst", results[1:]) == NOT_MEASURED
+
+
+def test_downs_before_their_contact_are_told_and_make_nothing_faster():
+    told = line_of("contact", [result(taps(early=(0, 1, 2, 3)))])
+    assert told == f"0 ms (p95 17), +0 frames, 67 % told before contact, {PASS}"
+
+
+def test_place_by_what_was_asked_for_meets_no_goal():
+    script = [{"step": "target", "from_s": 0.5, "to_s": 1.5, "target_mm": [100.0, 100.0]}]
+    scores = score_asked(told_frames(60, {20: [down(x_mm=104.0)]}), script, SURFACE)
+    assert line_of("spatial error of hits", [result(scores)]) == "4.0 ± 0.0 mm from the target"
+
+
+def test_the_rows_say_how_many_downs_came_before_their_contact():
+    rows = dict(figures(taps(early=(0, 1, 2, 3))))
+    assert rows["down_before_contact_share"] == pytest.approx(2 / 3)
+    assert rows["down_ms_median"] == 0.0
+    assert dict(figures(empty()))["down_before_contact_share"] is None
 
 
 @pytest.mark.parametrize("touches, word", [(1888, SHORT), (1920, PASS)])

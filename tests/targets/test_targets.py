@@ -9,13 +9,23 @@ import pytest
 from halo_calibration.boards import ANCHOR, SHEET
 from halo_calibration.pdf import Page, document
 from halo_calibration.sighting import detect
-from halo_calibration.targets import PAPERS_MM, RULER_MM, RULER_X_MM, sheets
+from halo_calibration.targets import (
+    CORNERS_MM,
+    CROSS_MM,
+    CROSSES_MM,
+    PAPERS_MM,
+    RULER_MM,
+    RULER_X_MM,
+    sheets,
+)
 from halo_service.app.cli import main
+from halo_service.virtual.plays.study import targets
 
 DPI = 300
 MM_PER_PX = 25.4 / DPI
 BOARDS = {"surface-sheet": SHEET, "anchor": ANCHOR}
-FILES = [(name, paper) for name in BOARDS for paper in PAPERS_MM]
+BOARD_FILES = [(name, paper) for name in BOARDS for paper in PAPERS_MM]
+FILES = [*BOARD_FILES, *(("first-light", paper) for paper in PAPERS_MM)]
 
 
 @pytest.fixture(scope="module")
@@ -39,17 +49,49 @@ def printed(folder, stranger):
 
 
 @pytest.mark.parametrize(("name", "paper"), FILES)
-def test_a_printed_sheet_measures_true(printed, name, paper):
+def test_a_sheet_is_as_large_as_its_paper(printed, name, paper):
+    height_mm, width_mm = np.array(printed[name, paper].shape) * MM_PER_PX
+    assert (width_mm, height_mm) == pytest.approx(PAPERS_MM[paper], abs=0.2)
+
+
+@pytest.mark.parametrize(("name", "paper"), BOARD_FILES)
+def test_a_printed_board_measures_true(printed, name, paper):
     picture = printed[name, paper]
     width_mm, height_mm = PAPERS_MM[paper]
-    assert picture.shape[1] * MM_PER_PX == pytest.approx(width_mm, abs=0.2)
-    assert picture.shape[0] * MM_PER_PX == pytest.approx(height_mm, abs=0.2)
     seen = detect(picture, BOARDS[name])
     assert not seen.missing
     measured = (seen.picture + 0.5) * MM_PER_PX
     off = measured - np.add(seen.board, (width_mm / 2.0, height_mm / 2.0))
     print(f"{name} on {paper}: off by {np.abs(off).max():.3f} mm")
     assert np.abs(off).max() < 0.2
+
+
+@pytest.mark.parametrize("paper", PAPERS_MM)
+def test_first_lights_crosses_and_corners_are_printed_where_they_are_looked_for(printed, paper):
+    ink = 255.0 - printed["first-light", paper]
+    middle = np.array(PAPERS_MM[paper]) / 2.0
+    reach = CROSS_MM - 0.5
+    for x, y in middle + CROSSES_MM:
+        assert _line(ink, (x - 1.0, x + 1.0), (y + 0.5, y + reach)) == pytest.approx(x, abs=0.1)
+        assert _line(ink.T, (y - 1.0, y + 1.0), (x - reach, x - 0.5)) == pytest.approx(y, abs=0.1)
+    for side, end in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+        x, y = middle + np.array(CORNERS_MM) * (side, end)
+        inwards_x, inwards_y = (
+            sorted((at, at - sign * reach)) for at, sign in ((x, side), (y, end))
+        )
+        assert _line(ink, (x - 1.0, x + 1.0), inwards_y) == pytest.approx(x, abs=0.1)
+        assert _line(ink.T, (y - 1.0, y + 1.0), inwards_x) == pytest.approx(y, abs=0.1)
+
+
+def _line(ink, across_mm, along_mm):
+    """Where a line that goes down the picture is across, mm."""
+    left, right, top, bottom = (round(mm / MM_PER_PX) for mm in (*across_mm, *along_mm))
+    dark = ink[top + 2 : bottom - 2, left : right + 1].sum(axis=0)
+    return float((np.arange(left, right + 1) + 0.5) @ dark / dark.sum()) * MM_PER_PX
+
+
+def test_first_lights_crosses_are_the_studys_targets():
+    assert np.allclose(np.array(targets()) - np.mean(targets(), axis=0), CROSSES_MM)
 
 
 @pytest.mark.parametrize(("name", "paper"), FILES)
@@ -66,11 +108,16 @@ def test_the_ruler_measures_what_it_says(printed, name, paper):
 
 
 @pytest.mark.parametrize(("name", "paper"), FILES)
-def test_nothing_is_printed_where_printers_do_not_reach_or_near_a_marker(printed, name, paper):
-    picture, board = printed[name, paper], BOARDS[name]
+def test_nothing_is_printed_where_printers_do_not_reach(printed, name, paper):
+    picture = printed[name, paper]
     edge = round(5.0 / MM_PER_PX)
     inner = picture[edge:-edge, edge:-edge]
     assert np.count_nonzero(picture < 255) == np.count_nonzero(inner < 255)
+
+
+@pytest.mark.parametrize(("name", "paper"), BOARD_FILES)
+def test_nothing_is_printed_near_a_marker(printed, name, paper):
+    picture, board = printed[name, paper], BOARDS[name]
     # A marker is found by the white around it, as wide as one of its squares.
     square_mm = board.size_mm / board.family.modules
     for marker in board.middles_mm:

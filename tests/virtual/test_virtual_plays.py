@@ -11,7 +11,7 @@ from halo_service.values import Finger, Side
 from halo_service.virtual import truth
 from halo_service.virtual.camera import factory
 from halo_service.virtual.naming import wish
-from halo_service.virtual.plays import ENDING, SCENARIOS, play, threshold, typing
+from halo_service.virtual.plays import ENDING, SCENARIOS, awkward, play, threshold, typing
 from halo_service.virtual.plays import labels as label_play
 from halo_service.virtual.plays.study import FORCES_G, HEIGHTS_MM, targets
 from halo_service.virtual.room import draw_room
@@ -178,6 +178,27 @@ def test_re_taps_rise_by_what_their_step_says():
         within = [stage.hands[0] for t, stage in stages if step.from_s <= t <= step.to_s]
         risen = max(-hand.pad(Finger.INDEX)[2] for hand in within)
         assert risen == pytest.approx(step.fields["lift_mm"], abs=0.5)
+
+
+def test_awkward_touches_are_as_their_steps_say_and_each_follows_a_feint():
+    played, stages, contacts = run("sim:awkward?seed=2", 60.0)
+    assert played.finished
+    edge = (150.0, 100.0)  # half the surface's size: as far as its edges are from its middle
+    for step in played.steps:
+        (touch,) = (c for c in contacts if step.from_s <= c.from_s <= step.to_s)
+        before = [s.hands[0] for t, s in stages if step.from_s + 0.6 <= t < touch.from_s - 0.2]
+        assert min(-hand.pad(Finger.INDEX)[2] for hand in before) == pytest.approx(4.0, abs=0.8)
+        if step.name == "angle":
+            hand = next(s.hands[0] for t, s in stages if t >= touch.from_s)
+            pitch, _ = hand.pitch_yaw(Finger.INDEX)
+            assert pitch == pytest.approx(step.fields["pitch_deg"], abs=4.0)
+        else:
+            off = np.abs((touch.x_mm - edge[0], touch.y_mm - edge[1])) - edge
+            assert max(off) == pytest.approx(step.fields["beyond_mm"], abs=2.0)
+    told = [(step.name, *step.fields.values()) for step in played.steps]
+    wanted = [("angle", each) for each in awkward.PITCHES_DEG]
+    wanted += [("edge", each) for each in awkward.BEYOND_MM]
+    assert sorted(told) == sorted(wanted * awkward.ROUNDS)
 
 
 def test_ten_fingers_all_touch():

@@ -54,6 +54,9 @@ class Block:
     heard: Heard
     unasked: int
     """Packets among them that told of no frame: our loop's farewell."""
+    hands_ms: tuple[float, ...]
+    """How much older than its frame the hands were that it was sensed with, the median of each
+    second; empty where each frame waits for its own."""
 
 
 class Parts(Protocol):
@@ -78,6 +81,7 @@ class _Told:
     def __init__(self, publisher: Publishes, watch: Stopwatch) -> None:
         self._publisher = publisher
         self._watch = watch
+        self.hands_ms: list[float] = []
 
     def frame(self, told: TouchFrame) -> None:
         self._watch.lap("sense")
@@ -88,6 +92,8 @@ class _Told:
         self._publisher.scene(state)
 
     def health(self, vitals: Vitals) -> None:
+        if vitals.tracker_ms >= 0.0:
+            self.hands_ms.append(vitals.tracker_ms)
         self._publisher.health(vitals)
 
 
@@ -103,10 +109,13 @@ def _block(arrangement: Arrangement, take: Take, parts: Parts, listener: Listene
     watch = Stopwatch()
     player = Player(take.captures, take.camera, take.kind, watch)
     publisher, close = parts.publisher(watch, listener.port)
-    play = _ours if arrangement == "ours" else _sequential
+    told = _Told(publisher, watch)
     listener.heard()
     try:
-        spent = play(player, publisher, watch, parts)
+        if arrangement == "ours":
+            spent = _ours(player, told, parts)
+        else:
+            spent = _sequential(player, publisher, watch, parts)
     finally:
         close()
     return Block(
@@ -117,16 +126,17 @@ def _block(arrangement: Arrangement, take: Take, parts: Parts, listener: Listene
         spent,
         listener.heard(),
         watch.unasked,
+        tuple(told.hands_ms),
     )
 
 
-def _ours(player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts) -> Spent:
+def _ours(player: Player, told: _Told, parts: Parts) -> Spent:
     """Run the service's own loop, with the tracker beside it."""
     tracker = parts.tracker()
     try:
         while tracker.state == "starting":
             time.sleep(STARTING_S)
-        loop = LiveLoop(player, _never, tracker, parts.state(), _Told(publisher, watch))
+        loop = LiveLoop(player, _never, tracker, parts.state(), told)
         return _spent(loop.run)
     finally:
         tracker.close()

@@ -35,10 +35,12 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """From a true contact to its down message."""
+    """From a true contact to its down message; one sent before its contact counts as 0."""
 
     true: int
     told: int
+    early: int
+    """Sent before their contact."""
     median_ms: float
     p95_ms: float
     median_frames: float
@@ -62,7 +64,11 @@ class Figures:
     path_cpu_a_frame: float
     """The thread from frame to packet alone."""
     core_wait_a_frame: float | None
-    """How long that thread was kept off the cores by others; None where the system does not say."""
+    """How long that thread was kept off the cores, by other programs or by our own threads; None
+    where the system does not say."""
+    hands: Spread | None
+    """How much older than its frame the hands were that it was sensed with, of the medians of each
+    second; None where each frame waits for its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,21 +141,25 @@ def goals(case: Case) -> tuple[Goal, ...]:
 def _figures(blocks: Sequence[Block]) -> Figures:
     rows = [row for block in blocks for row in block.rows]
     names = dict.fromkeys(name for row in rows for name in row.stages_ns)
+    hands_ms = [each for block in blocks for each in block.hands_ms]
     return Figures(
         frames=len(rows),
         dropped=sum(block.dropped for block in blocks),
         heard=sum(block.heard.frames - block.unasked for block in blocks),
         datagrams=sum(block.heard.datagrams for block in blocks),
-        latency=_spread([row.latency_ns for row in rows]),
-        stages={name: _spread([row.stages_ns.get(name, 0) for row in rows]) for name in names},
+        latency=_percentiles([row.latency_ns / 1e6 for row in rows]),
+        stages={
+            name: _percentiles([row.stages_ns.get(name, 0) / 1e6 for row in rows]) for name in names
+        },
         cpu_a_frame=sum(block.spent.cpu_ms for block in blocks) / len(rows),
         path_cpu_a_frame=sum(block.spent.path_cpu_ms for block in blocks) / len(rows),
         core_wait_a_frame=_a_frame([block.spent.core_wait_ms for block in blocks], len(rows)),
+        hands=_percentiles(hands_ms) if hands_ms else None,
     )
 
 
-def _spread(times_ns: Sequence[int]) -> Spread:
-    median, p95, p99, most = np.percentile(np.array(times_ns) / 1e6, (50, 95, 99, 100)).tolist()
+def _percentiles(times_ms: Sequence[float]) -> Spread:
+    median, p95, p99, most = np.percentile(times_ms, (50, 95, 99, 100)).tolist()
     return Spread(median, p95, p99, most)
 
 
@@ -162,8 +172,9 @@ def _contacts(delays_us: Sequence[float | None], period_us: float) -> Contacts |
     told = [each for each in delays_us if each is not None]
     if not told:
         return None
-    median, p95 = (float(each) for each in np.percentile(told, (50, 95)))
-    return Contacts(len(delays_us), len(told), median / 1e3, p95 / 1e3, median / period_us)
+    early = sum(each < 0.0 for each in told)
+    median, p95 = np.percentile(np.maximum(told, 0.0), (50, 95)).tolist()
+    return Contacts(len(delays_us), len(told), early, median / 1e3, p95 / 1e3, median / period_us)
 
 
 def _delays_us(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from halo_service.evaluation.scores.followed import pairs
-from halo_service.evaluation.scores.touches import Touches
+from halo_service.evaluation.scores.followed import NEAR_MM, pairs
+from halo_service.evaluation.scores.touches import Down, Touches, published
 from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, Truth
 from halo_service.geometry.surface import Surface
 from halo_service.values import Finger, Side, TouchFrame
@@ -28,7 +28,7 @@ class Conduct:
     """Counts of what should not happen."""
 
     stuck: int = 0
-    """Touches that went on long after the finger had left, or never ended."""
+    """Published touches, ghosts too, that went on long after the finger had left, or for ever."""
     id_changes: int = 0
     """Times that a finger which stayed was given another id."""
     misnamed: int = 0
@@ -53,7 +53,7 @@ def score_conduct(
     """Count it."""
     unseen, fingers, id_changes = _followed(frames, truth, surface)
     return Conduct(
-        sum(_sticks(hit.down.up_us, hit.touch.to_us) for hit in touches.hits if hit.touch.ended),
+        _stuck(frames, truth, touches),
         id_changes,
         sum(
             (hit.down.side, hit.down.finger) != (hit.touch.side, hit.touch.finger)
@@ -66,8 +66,42 @@ def score_conduct(
     )
 
 
+def _stuck(frames: Sequence[TouchFrame], truth: Truth, touches: Touches) -> int:
+    """Count published touches that stick: a hit has its own touch to end with, others any near."""
+    hits = {hit.down: hit.touch for hit in touches.hits}
+    return sum(
+        _sticks(down.up_us, hits[down].to_us) if down in hits else _lingers(down, frames, truth)
+        for down in published(frames)
+    )
+
+
 def _sticks(up_us: int | None, to_us: int) -> bool:
     return up_us is None or up_us - to_us > STUCK_US
+
+
+def _lingers(down: Down, frames: Sequence[TouchFrame], truth: Truth) -> bool:
+    """Say whether a touch goes on for long while neither its finger nor one near it touches."""
+    touched_us, x, y = down.time_us, down.x_mm, down.y_mm
+    for frame in frames:
+        true = truth.at(frame.time_us)
+        if true is None or frame.time_us < down.time_us:
+            continue
+        if down.up_us is not None and frame.time_us > down.up_us:
+            break
+        pointer = next((each for each in frame.pointers if each.id == down.id), None)
+        if pointer is not None:  # it may have been dragged along
+            x, y = pointer.x_mm, pointer.y_mm
+        if any(each.touching and _its_own(down, x, y, each) for each in true.fingers):
+            touched_us = frame.time_us
+        if frame.time_us - touched_us > STUCK_US:
+            return True
+    return False
+
+
+def _its_own(down: Down, x_mm: float, y_mm: float, finger: TrueFinger) -> bool:
+    """Say whether a touch that is told there can be this finger's."""
+    near = np.hypot(finger.x_mm - x_mm, finger.y_mm - y_mm) <= NEAR_MM
+    return bool(near) or (finger.side, finger.finger) == (down.side, down.finger)
 
 
 def _strange(frames: Sequence[TouchFrame], truth: Truth) -> int:

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from itertools import accumulate
+from math import dist
 
-from halo_service.evaluation.scores.touches import Touches
+from halo_service.evaluation.scores.touches import Down, Touches, fits
 from halo_service.evaluation.scores.truth import TrueTouch
 from halo_service.virtual.plays.typing import keys
 from halo_type.layout import key_at
@@ -34,7 +35,7 @@ class Keys:
     """Told as another key, or as none."""
     missed: int = 0
     doubled: int = 0
-    """Further downs that would have typed the same or another character."""
+    """Further downs of those keystrokes that would have typed the same or another character."""
 
     def __add__(self, other: Keys) -> Keys:
         """Both takes together."""
@@ -59,9 +60,10 @@ def score_keys(touches: Touches) -> Keys:
         len(inside) + sum(_inside(touch) for touch in touches.missed),
         sum(key_at(layout, hit.down.x_mm, hit.down.y_mm) != hit.touch.key for hit in inside),
         sum(_inside(touch) for touch in touches.missed),
-        sum(key_at(layout, down.x_mm, down.y_mm) is not None for down in touches.doubled)
-        if inside
-        else 0,
+        sum(
+            key_at(layout, down.x_mm, down.y_mm) is not None and _inside(_struck(down, touches))
+            for down in touches.doubled
+        ),
     )
 
 
@@ -76,9 +78,19 @@ def score_phrases(touches: Touches) -> tuple[Phrase, ...]:
     return tuple(_phrase(phrase, told) for phrase in phrases)
 
 
-def _inside(touch: TrueTouch) -> bool:
+def _struck(down: Down, touches: Touches) -> TrueTouch | None:
+    """Return the touch that a further down tells once more: of those it fits, the nearest."""
+    struck = [*(hit.touch for hit in touches.hits), *touches.missed, *touches.blind]
+    return min(
+        (touch for touch in struck if fits(down, touch)),
+        key=lambda touch: dist((down.x_mm, down.y_mm), (touch.x_mm, touch.y_mm)),
+        default=None,
+    )
+
+
+def _inside(touch: TrueTouch | None) -> bool:
     """Whether a finger landed well inside the key that it meant."""
-    if touch.key is None:
+    if touch is None or touch.key is None:
         return False
     x, y = touch.x_mm, touch.y_mm
     return keys()[touch.key].inside(x, y) >= INSIDE_MM

@@ -1,8 +1,9 @@
 """Hover and pressure: what was told while a finger was held at a level, against what was true.
 
 The paper took one reading a trial; the mean over all frames of a trial is what such a reading is
-wrong by on average. A frame with no pointer near the finger gives no reading: the share of those
-is told beside the error, so that silence does not count as accuracy.
+wrong by on average. A frame with no pointer near the finger gives no reading, nor does a pointer
+that does not say how hard: the share of those is told beside the error, so that silence does not
+count as accuracy.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Trial:
     told: float
     """Mean of what was told, mm or grams."""
     unseen: float
-    """Share of the frames without a pointer near the finger."""
+    """Share of the frames without a reading: no pointer near the finger, or no force told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +96,8 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
     level = float(step[LEVELS[kind]])
     who = _holder(kind, level, [true for true in trues if true is not None])
     found = [_pair(frame, true, who) for frame, true in zip(within, trues, strict=True)]
-    seen = [_reading(kind, *pair) for pair in found if pair is not None]
+    readings = (_reading(kind, *pair) for pair in found if pair is not None)
+    seen = [reading for reading in readings if reading is not None]
     unseen = 1.0 - len(seen) / len(found) if found else 1.0
     if not seen:
         return Trial(kind, level, np.nan, np.nan, np.nan, unseen)
@@ -123,10 +125,12 @@ def _pair(frame: TouchFrame, true: TrueFrame | None, who: Who | None) -> Pair | 
     return next((pair for pair in followed if (pair[0].side, pair[0].finger) == who), None)
 
 
-def _reading(kind: str, finger: TrueFinger, pointer: Pointer) -> tuple[float, float]:
-    """Return what was told and what was true."""
+def _reading(kind: str, finger: TrueFinger, pointer: Pointer) -> tuple[float, float] | None:
+    """Return what was told and what was true; None where nobody says how hard."""
     if kind == "hover":
         return pointer.hover_mm, finger.height_mm
+    if pointer.force_g < 0.0:
+        return None
     return 0.0 if _hovers(pointer) else pointer.force_g, finger.force_g
 
 

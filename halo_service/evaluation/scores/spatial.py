@@ -1,8 +1,9 @@
 """Where a touch was told to be, against where it was: in the plane, at the frame that told it.
 
-Ours is measured from the pad's true place with nothing removed. The paper measured from the
-targets, so with the people's own scatter in it, after taking the common offset away and leaving
-out what lay beyond three standard deviations (5.3.2): that figure stands beside ours.
+Ours is measured from the pad's true place: of hits, so within 25 mm of the target, nothing else
+removed. The paper measured from the targets, so with the people's own scatter in it, after taking
+the common offset away and leaving out what lay beyond three standard deviations (5.3.2): that
+figure stands beside ours.
 """
 
 from __future__ import annotations

@@ -32,6 +32,11 @@ class Scores:
     keys: Keys
     phrases: tuple[Phrase, ...]
 
+    @property
+    def asked(self) -> bool:
+        """Whether touches are judged by what was asked for alone: nobody knows when they began."""
+        return bool(self.touches.hits) and not self.timing
+
 
 def score(
     frames: Sequence[TouchFrame], truth: Sequence[Line], script: Sequence[Line], surface: Surface

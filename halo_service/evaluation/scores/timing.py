@@ -26,6 +26,21 @@ class Timing:
     """From the contact's end to the frame that told that; None where none did."""
     up_ago_error_ms: float | None
 
+    @property
+    def early(self) -> bool:
+        """Whether it was told before it happened."""
+        return self.down_ms < 0.0
+
+    @property
+    def late_ms(self) -> float:
+        """`down_ms`, 0 where it was early: what came too soon makes nothing else sooner."""
+        return max(self.down_ms, 0.0)
+
+    @property
+    def late_frames(self) -> int:
+        """`frames_late`, likewise."""
+        return max(self.frames_late, 0)
+
 
 def score_timing(hits: Sequence[Hit]) -> tuple[Timing, ...]:
     """Time every touch that was told."""

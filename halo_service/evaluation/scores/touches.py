@@ -122,7 +122,7 @@ def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
     hit_by = _pairs(downs, touches)
     paired = set(hit_by.values())
     rest = [down for index, down in enumerate(downs) if index not in paired]
-    doubled = [down for down in rest if any(_fits(down, touch) for touch in touches)]
+    doubled = [down for down in rest if any(fits(down, touch) for touch in touches)]
     others = [down for down in rest if down not in doubled]
     outside = [down for down in others if any(_overlaps(down, touch) for touch in touches)]
     times = [frame.time_us for frame in frames]
@@ -139,6 +139,12 @@ def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
         tuple(blind.values()),
         sum(k in hit_by for k in blind),
     )
+
+
+def fits(down: Down, touch: TrueTouch) -> bool:
+    """Say whether a down can have told a touch: by its time and its distance from the target."""
+    x, y = touch.aim_mm
+    return _overlaps(down, touch) and bool(np.hypot(down.x_mm - x, down.y_mm - y) <= WITHIN_MM)
 
 
 def published(frames: Sequence[TouchFrame]) -> list[Down]:
@@ -193,18 +199,13 @@ def _cost(downs: Sequence[Down], touches: Sequence[TrueTouch]) -> NDArray[np.flo
     cost = np.full((len(touches), len(downs)), NEVER)
     for row, touch in enumerate(touches):
         for column, down in enumerate(downs):
-            if _fits(down, touch):
+            if fits(down, touch):
                 cost[row, column] = abs(down.time_us - touch.from_us)
     return cost
 
 
 def _overlaps(down: Down, touch: TrueTouch) -> bool:
     return touch.from_us - EARLY_US <= down.time_us <= touch.to_us + LATE_US
-
-
-def _fits(down: Down, touch: TrueTouch) -> bool:
-    x, y = touch.aim_mm
-    return _overlaps(down, touch) and np.hypot(down.x_mm - x, down.y_mm - y) <= WITHIN_MM
 
 
 def _hit(touch: TrueTouch, down: Down, truth: Truth, times: Sequence[int]) -> Hit:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from halo_service.virtual.plays import (
+    awkward,
     calibration,
     chaos,
     demo,
@@ -34,6 +35,7 @@ SCENARIOS: dict[str, Scenario] = {
     "hover": study.hover,
     "pressure": study.pressure,
     "threshold": threshold.threshold,
+    "awkward": awkward.awkward,
     "typing": typing.typing,
     "typing-accurate": typing.accurate,
     "typing-fast": typing.fast,
@@ -45,7 +47,7 @@ SCENARIOS: dict[str, Scenario] = {
     "labels": labels.labels,
     "hand": puppet.hand,
 }
-ENDING = frozenset({"calibration", "hover", "pressure", "threshold", "labels"})
+ENDING = frozenset({"calibration", "hover", "pressure", "threshold", "awkward", "labels"})
 """Scenarios that end by themselves; the others go on for ever."""
 FURNISHED: dict[str, Callable[[Room], Room]] = {
     "projector": projector.lit,

@@ -23,7 +23,7 @@ from halo_service.evaluation.capture import Look, Studio
 from halo_service.evaluation.judged import read_lines, recording_judged
 from halo_service.evaluation.matrix import Person, Plan, Task
 from halo_service.evaluation.result import Result
-from halo_service.evaluation.rivals import AS_CALIBRATED, METHODS
+from halo_service.evaluation.rivals import AS_CALIBRATED, BY_SURFACE, METHODS
 from halo_service.evaluation.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
@@ -49,6 +49,11 @@ class Asked:
     jobs: int | None = None
 
 
+def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of methods; raises `UserError` for one that nobody knows."""
+    return matrix.chosen(wanted, tuple(METHODS), "method")
+
+
 def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
     """Run the study, with a progress bar; raises `UserError` for what cannot be run."""
     tracker = _tracker(settings.tracking)
@@ -58,7 +63,7 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
         tracker,
         not asked.kept_only,
     )
-    methods = matrix.chosen(asked.methods or tuple(METHODS), tuple(METHODS), "method")
+    methods = known_methods(asked.methods or tuple(METHODS))
     order = Order(_plan(asked, studio), methods, studio, settings.sensing, _jobs(asked.jobs))
     with tqdm(
         total=work_s(order),
@@ -87,10 +92,11 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
-    methods = matrix.chosen(asked.methods or AS_CALIBRATED, tuple(METHODS), "method")
+    methods = known_methods(asked.methods or AS_CALIBRATED)
     truth = read_lines(asked.truth, "truth") if asked.truth else None
     script = read_lines(asked.script, "script") if asked.script else ()
-    require_touch(profile)
+    if not set(methods) <= set(BY_SURFACE):
+        require_touch(profile)
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
         with (
@@ -150,7 +156,9 @@ def _kept(
         seed, _, material = file.parent.name.partition("-")
         if seed.isdigit() and material in materials and (not users or int(seed) in users):
             person = Person(int(seed), material)
-            plan[person] = tuple(task for task in matrix.KNOWN if studio.has(person, task))
+            labels = sorted(file.parent.glob(f"{matrix.LABELS.name}-*.npz"))
+            tasks = (*matrix.KNOWN, *(replace(matrix.LABELS, name=each.stem) for each in labels))
+            plan[person] = tuple(task for task in tasks if studio.has(person, task))
     if not plan:
         raise UserError(
             f"no kept takes of these users and materials are in {studio.folder}; leave out "

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from halo_service.app import verbs
+from halo_service.app.files import STDOUT
 from halo_service.errors import UserError
 
 STUDY = ("quick", "users", "materials", "tasks", "labels", "keep", "kept_only", "jobs")
@@ -51,6 +52,10 @@ def refuse_idle(options: argparse.Namespace) -> None:
         _refuse(options, "--kept-only", "quick", "labels")
     if options.quick:
         _refuse(options, "--quick", "labels")
+    if options.csv == STDOUT:
+        _refuse(options, "--csv -", "each", "markdown")
+    if options.each:
+        _refuse(options, "--each", "markdown")
 
 
 def _refuse(options: argparse.Namespace, asked: str, *idle: str) -> None:

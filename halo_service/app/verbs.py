@@ -109,6 +109,7 @@ def evaluate(options: argparse.Namespace) -> int:
     from halo_service.app.first_light import first_light
 
     refuse_idle(options)
+    bench.known_methods(options.method)  # before --live asks for four minutes of anybody
     settings = load(options.config)
     settings = replace(settings, profile=options.profile or settings.profile)
     with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:

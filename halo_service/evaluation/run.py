@@ -160,7 +160,8 @@ def _prepare(order: Order, person: Person) -> Calibrated:
 
 def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tuple[Result, ...]:
     """Sense and score one take, by all methods that know the person."""
-    curve = wish(person.source(task)).room.curve
+    # The person's own over all tasks; a kept take of labels may have outlived its label file.
+    curve = wish(person.source(CALIBRATION)).room.curve
     subject = Subject(person.name, person.seed, person.material, curve.family)
     results = {
         name: Result(subject, task.name, name, None, refused)

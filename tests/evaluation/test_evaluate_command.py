@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from halo_service.app.cli import main
 from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
-from halo_service.profile.store import save
+from halo_service.profile.store import load, save
 from halo_service.virtual.naming import wish
 
 
@@ -30,6 +31,12 @@ from halo_service.virtual.naming import wish
         (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick has no use for --lab"),
         (["--kept-only", "--labels", "nowhere"], "--kept-only has no use for --labels:"),
         (["--kept-only", "--quick"], "--kept-only has no use for --quick:"),
+        (
+            ["--each", "--markdown", "--tasks", "juggling"],
+            "--each has no use for --markdown: leave",
+        ),
+        (["--csv", "-", "--each", "--tasks", "juggling"], "--csv - has no use for --each: leave"),
+        (["--csv", "-", "--markdown"], "--csv - has no use for --markdown: leave --markdown out"),
         (["--live", "here", "--quick"], "--live has no use for --quick, --keep: leave --quick"),
         (["--live", "here", "--truth", "t.jsonl"], "--live has no use for --truth, --keep:"),
         (["take.mkv", "--live", "here"], "--live has no use for RECORDING: leave RECORDING out"),
@@ -68,21 +75,63 @@ def test_numbers_that_are_none_are_refused(
     assert f"argument {option}: {text!r} must be" in capsys.readouterr().err
 
 
-def test_a_recording_is_judged_by_the_methods_that_its_profile_serves_and_told_as_one(
+def test_an_unknown_method_is_refused_before_a_session_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["evaluate", "--live", "here", "--method", "ours,theirs"]) == 2
+    assert "no method 'theirs'; known: ours" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_kept_takes_of_labels_are_among_what_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    files = {name: str(tmp_path / name) for name in ("desk.mkv", "truth", "profile", "figures")}
-    taken = ("--out", files["desk.mkv"], "--truth", files["truth"], "--no-colour")
+    (tmp_path / "201-wood").mkdir()
+    for name in ("calibration", "labels-05_1", "pointing", "another"):
+        (tmp_path / "201-wood" / f"{name}.npz").touch()
+    assert main(["evaluate", "--kept-only", "--keep", str(tmp_path), "--tasks", "juggling"]) == 2
+    assert "no task 'juggling'; known: labels-05_1, pointing\n" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a recording of nobody, its truth, and a profile of its room."""
+    folder = tmp_path_factory.mktemp("desk")
+    taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
     assert main(["simulate", "idle?seed=205", *taken, "--seconds", "0.3"]) == 0
-    save(virtual_profile(wish("sim:idle?seed=205").room, Settings()), Path(files["profile"]))
-    capsys.readouterr()
-    given = ("--truth", files["truth"], "--profile", files["profile"], "--csv", files["figures"])
-    assert main(["evaluate", files["desk.mkv"], *given]) == 0
-    with Path(files["figures"]).open(encoding="utf-8", newline="") as file:
-        assert {row["method"] for row in csv.DictReader(file)} == {"ours", "direct", "wilson"}
+    save(virtual_profile(wish("sim:idle?seed=205").room, Settings()), folder / "profile")
+    return folder
+
+
+def methods_of(desk: Path, profile: Path, figures: Path, *options: str) -> set[str]:
+    """Judge the recording of nobody, and return who did."""
+    given = ("--truth", str(desk / "truth"), "--profile", str(profile), "--csv", str(figures))
+    assert main(["evaluate", str(desk / "desk.mkv"), *given, *options]) == 0
+    with figures.open(encoding="utf-8", newline="") as file:
+        return {row["method"] for row in csv.DictReader(file)}
+
+
+def test_a_recording_is_judged_by_the_methods_that_its_profile_serves_and_told_as_one(
+    desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    judges = methods_of(desk, desk / "profile", tmp_path / "figures")
+    assert judges == {"ours", "direct", "wilson"}
     told = capsys.readouterr().out
     assert "recording desk, judged by its truth\n" in told
     assert "virtual" not in told
+
+
+def test_who_goes_by_the_empty_surface_judges_without_touch_states(
+    desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save(replace(load(desk / "profile"), touch=None), tmp_path / "empty")
+    rivals = methods_of(desk, tmp_path / "empty", tmp_path / "figures", "--method", "direct,wilson")
+    assert rivals == {"direct", "wilson"}
+    given = ("--truth", str(desk / "truth"), "--profile", str(tmp_path / "empty"))
+    for name in ("direct,ours", "paper"):
+        assert main(["evaluate", str(desk / "desk.mkv"), *given, "--method", name]) == 2
+        assert "has no touch states" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.evaluation.capture import Studio
+from halo_service.evaluation.matrix import LABELS
 from halo_service.evaluation.rivals import METHODS
 from halo_service.evaluation.rows import write
 from halo_service.evaluation.run import Order, run, work_s
@@ -62,6 +64,18 @@ def test_where_ours_is_refused_the_rivals_that_need_no_states_still_play(studio:
         "wilson": False,
     }
     assert {bool(each.refused) for each in results if each.scores is not None} == {False}
+
+
+def test_a_kept_take_of_labels_is_judged_without_its_label_file(studio: Studio) -> None:
+    shown = replace(SHORT, name="shown")
+    studio.provide(PERSON, shown)
+    labelled = replace(LABELS, name="labels-gone")
+    shutil.copy(studio.path(PERSON, shown), studio.path(PERSON, labelled))
+    kept_only = replace(studio, draws=False)
+    order = Order({PERSON: (labelled,)}, ("wilson",), kept_only, SensingSettings(), 1)
+    (result,) = run(order, lambda _: None)
+    assert (result.task, result.refused) == ("labels-gone", "")
+    assert result.scores is not None
 
 
 def test_a_folder_that_another_run_is_filling_is_told_as_that(

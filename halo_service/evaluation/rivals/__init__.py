@@ -20,6 +20,9 @@ METHODS: dict[str, Method[Any]] = {method.name: method for method in (OURS, PAPE
 AS_CALIBRATED = tuple(name for name, method in METHODS.items() if method.learn is None)
 """The names of those that a profile serves as `halo calibrate` makes it."""
 
+BY_SURFACE = (DIRECT.name, WILSON.name)
+"""The names of those that go by the empty surface alone, without any touch states."""
+
 
 def method_named(name: str) -> Method[Any]:
     """Return a method by its name; raises `UserError` that tells the known ones."""

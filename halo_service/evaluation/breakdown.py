@@ -9,9 +9,11 @@ import numpy as np
 
 from halo_service.evaluation import pick
 from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.awkward import by_value
 from halo_service.evaluation.scores.keys import Keys, Phrase
 from halo_service.evaluation.scores.levels import Trial
 from halo_service.evaluation.scores.spatial import Spatial, from_truth, spatial
+from halo_service.evaluation.scores.sureness import FAR_MM, SURE, score_sureness
 from halo_service.evaluation.scores.take import Scores
 from halo_service.evaluation.scores.threshold import told_by_lift
 from halo_service.evaluation.table import Table
@@ -20,6 +22,7 @@ NONE = "-"
 """What stands where nothing was measured."""
 LEVELS = (("hover", False), ("hover", True), ("pressure", False), ("pressure", True))
 LEVEL_HEAD = ("hover, mm", "at doubled noise", "pressure, %", "at doubled noise")
+AWKWARD = {"angle": "pitch, {:g}°", "edge": "off the edge, {:g} mm"}
 TASK_NAMES = dict(zip(pick.TYPING, ("T1 accurate", "T2 balanced", "T3 fast"), strict=True))
 
 Key = Callable[[Result], str]
@@ -34,6 +37,7 @@ def breakdown(results: Sequence[Result]) -> tuple[Table, ...]:
         levels_by_user(results),
         typing_by_task(results),
         retaps_by_lift(results),
+        hard_by_angle_and_edge(results),
         conduct_by_task(results),
         not_calibrated(results),
     )
@@ -137,6 +141,35 @@ def retaps_by_lift(results: Sequence[Result]) -> Table:
         rows.append((method, *(f"{100 * shares[lift]:.1f}" for lift in lifts)))
     head = ("method", *(f"{lift:g} mm" for lift in lifts))
     return Table("Re-taps told, % by lift", head, tuple(rows))
+
+
+def hard_by_angle_and_edge(results: Sequence[Result]) -> Table:
+    """Touches that are hard to see, by pitch and by way off the edge."""
+    known = {
+        method: by_value(
+            [each for r in pick.of(results, method) if r.scores for each in r.scores.awkward]
+        )
+        for method in pick.methods(results)
+    }
+    rows = []
+    for kind, value in sorted({each for by in known.values() for each in by}):
+        for method in (method for method, by in known.items() if (kind, value) in by):
+            touches = known[method][kind, value]
+            told = score_sureness(touches)
+            counts = (
+                touches.true, len(touches.hits), len(touches.missed),
+                told.wrong_surely, told.wrong_unsurely,
+            )  # fmt: skip
+            off_by, *_ = _off(spatial(from_truth(touches.hits)))
+            rows.append((AWKWARD[kind].format(value), method, *map(str, counts), off_by))
+    return Table(
+        "Touches that are hard to see",
+        _head("what|method|touches|told|missed|wrong, surely|wrong, unsurely|off by, mm"),
+        tuple(rows),
+        "Off the edge: negative inside the surface. Wrong: doubled, outside or of the feint before "
+        f"each touch, and of those told what was told farther than {FAR_MM:g} mm off. Surely: with "
+        f"a confidence of at least {SURE:g}, or without any.",
+    )
 
 
 def conduct_by_task(results: Sequence[Result]) -> Table:

@@ -10,6 +10,7 @@ from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.levels import Trial
 from halo_service.evaluation.scores.spatial import from_truth, spatial
 from halo_service.evaluation.scores.take import Scores
+from halo_service.evaluation.scores.timing import median_late
 
 
 def brief(results: Sequence[Result]) -> Iterator[str]:
@@ -38,10 +39,9 @@ def _touches(scores: Scores) -> str:
             f" | off {off.mean_mm:.1f} mm, median {off.median_mm:.1f}, bias "
             f"{off.bias_mm[0]:+.1f} {off.bias_mm[1]:+.1f}"
         )
-    if scores.timing:
-        late = np.median([each.frames_late for each in scores.timing])
-        down = np.median([each.down_ms for each in scores.timing])
-        words += f" | {late:.0f} frames, {down:.0f} ms late"
+    late = median_late(scores.timing)
+    if late is not None:
+        words += f" | {late[1]:g} frames, {late[0]:.0f} ms late"
     conduct = scores.conduct
     return words + (
         f" | {conduct.stuck} stuck, {conduct.id_changes} ids, "

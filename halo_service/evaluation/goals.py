@@ -25,6 +25,7 @@ from halo_service.evaluation.measures import (
     not_calibrated,
     palms,
     real_taps,
+    right_surely,
     spatial_error,
     spatial_error_as_the_paper,
     strike_speed,
@@ -32,6 +33,7 @@ from halo_service.evaluation.measures import (
     velocity,
     worst_family,
     wrong_keys,
+    wrong_surely,
 )
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.table import Table
@@ -141,6 +143,13 @@ GOALS = (
     Goal("strike speed: off by / rank correlation", "not told", "none", strike_speed),
     Goal("pointer velocity: off by / rank correlation", "not told", "none", velocity),
     Goal("touches told of palms and curled fingers", "not told", "0", palms),
+    Goal(
+        "hard to see: told wrongly, surely / unsurely, of all told",
+        "not told",
+        "0 surely",
+        wrong_surely,
+    ),
+    Goal("right touches told surely: pointing / hard to see", "not told", "none", right_surely),
     Goal("every finger of two hands: F1", "one finger", "none", all_fingers),
     Goal("touches that stick / ids that change", "not told", "0 / 0", stuck_and_renamed),
 )

@@ -15,7 +15,9 @@ from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.keys import Keys
 from halo_service.evaluation.scores.motion import Speed, rank_correlation, relative_error
 from halo_service.evaluation.scores.spatial import as_the_paper, from_target, from_truth, spatial
+from halo_service.evaluation.scores.sureness import Sureness
 from halo_service.evaluation.scores.threshold import threshold_mm, told_by_lift
+from halo_service.evaluation.scores.timing import median_late
 
 F1, LABELLED_F1 = 0.999, 0.98
 DOUBLED_OF, STUDIED = 2, 3840
@@ -79,12 +81,11 @@ def spatial_error(results: Sequence[Result]) -> Measured | None:
 
     Where nobody knows it, from the target: with people's own scatter in it, so without a verdict.
     """
-    parts = pick.pointing(results)
-    off = spatial(from_truth(pick.touches(parts).hits))
+    off = spatial(from_truth(pick.touches(pick.pointing(results)).hits))
     if off is None:
         return None
     words = f"{off.mean_mm:.1f} ± {off.sd_mm:.1f} mm"
-    if any(part.asked for part in parts):
+    if any(result.asked for result in results):
         return Measured(f"{words} from the target")
     return Measured(words, off.mean_mm <= SPATIAL_MM)
 
@@ -178,10 +179,11 @@ def awpm(results: Sequence[Result]) -> Measured | None:
 def contact_to_down(results: Sequence[Result]) -> Measured | None:
     """From contact to the frame that told it, on the frames' clock; 0 for one told before it."""
     timing = [each for part in pick.pointing(results) for each in part.timing]
-    if not timing:
+    late = median_late(timing)
+    if late is None:
         return None
-    median, p95 = np.percentile([each.late_ms for each in timing], (50.0, 95.0)).tolist()
-    frames = float(np.median([each.late_frames for each in timing]))
+    median, frames = late
+    p95 = float(np.percentile([each.late_ms for each in timing], 95.0))
     early = 100.0 * float(np.mean([each.early for each in timing]))
     words = (
         f"{median:.0f} ms (p95 {p95:.0f}), {frames:+g} frames, {early:.0f} % told before contact"
@@ -215,6 +217,29 @@ def palms(results: Sequence[Result]) -> Measured | None:
     told = pick.touches(parts)
     ghosts = len(told.ghosts) + len(told.outside)
     return Measured(f"{ghosts} beside {told.true} touches", ghosts == 0)
+
+
+def wrong_surely(results: Sequence[Result]) -> Measured | None:
+    """Touches told wrongly where touch is hard to see; of who tells none there is no figure."""
+    parts = pick.hard(results)
+    told = sum((part.sureness for part in parts), Sureness())
+    if not told.told:
+        return None
+    touches = pick.touches(parts)
+    words = (
+        f"{told.wrong_surely} / {told.wrong_unsurely} of {told.told}, "
+        f"{len(touches.missed)} of {touches.true} missed"
+    )
+    return Measured(words, told.wrong_surely == 0)
+
+
+def right_surely(results: Sequence[Result]) -> Measured | None:
+    """Share of the right touches that were told surely: of target pointing, and hard to see."""
+    cells = []
+    for parts in (pick.pointing(results), pick.hard(results)):
+        told = sum((part.sureness for part in parts), Sureness())
+        cells.append(f"{100 * told.right_surely / told.right:.1f}" if told.right else "-")
+    return None if set(cells) == {"-"} else Measured(" / ".join(cells) + " %")
 
 
 def all_fingers(results: Sequence[Result]) -> Measured | None:

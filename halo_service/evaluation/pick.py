@@ -23,6 +23,8 @@ TYPING = ("typing-accurate", "typing", "typing-fast")
 """The paper's T1 to T3."""
 HANDS = ("ten-fingers", "chaos")
 """Tasks of more than a pointing finger."""
+HARD = ("awkward", "chaos")
+"""Tasks whose touches are hard to see."""
 LABELS = "labels"
 """Begins the names of tasks tapped when somebody really touched a tablet."""
 
@@ -45,6 +47,11 @@ def pointing(results: Sequence[Result]) -> list[Scores]:
 def tasks(results: Sequence[Result], *names: str) -> list[Scores]:
     """Return the scores of the named tasks."""
     return [r.scores for r in results if r.scores and _base(r.task) in names]
+
+
+def hard(results: Sequence[Result]) -> list[Scores]:
+    """Return the scores of touches that are hard to see."""
+    return [r.scores for r in results if r.scores and (r.task in HARD or r.scores.awkward)]
 
 
 def labelled(results: Sequence[Result]) -> list[Scores]:

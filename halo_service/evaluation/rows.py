@@ -9,11 +9,14 @@ from typing import TextIO
 import numpy as np
 
 from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.awkward import STEPS, Awkward, by_value
 from halo_service.evaluation.scores.levels import Trial
 from halo_service.evaluation.scores.motion import relative_error
 from halo_service.evaluation.scores.spatial import from_truth, spatial
+from halo_service.evaluation.scores.sureness import Sureness, score_sureness
 from halo_service.evaluation.scores.take import Scores
 from halo_service.evaluation.scores.threshold import told_by_lift
+from halo_service.evaluation.scores.timing import median_late
 
 COLUMNS = (
     "seed", "subject", "material", "family", "task", "method", "figure", "value", "note",
@@ -41,6 +44,7 @@ def write(results: Sequence[Result], version: str, out: TextIO) -> None:
 def figures(scores: Scores) -> Iterator[Figure]:
     """Yield every figure of one take, those without an occasion included."""
     yield from _touches(scores)
+    yield from _sureness(scores.sureness)
     yield from _spatial(scores)
     yield from _timing(scores)
     yield "strike_error_share", relative_error(scores.strikes)
@@ -50,6 +54,7 @@ def figures(scores: Scores) -> Iterator[Figure]:
     yield "hover_jump_p99_mm", _percentile([jump.jump_mm for jump in scores.jumps], 99.0)
     for lift, share in told_by_lift(scores.retaps).items():
         yield f"retaps_told_share_{lift:g}_mm", share
+    yield from _awkward(scores.awkward)
     yield from _typing(scores)
 
 
@@ -79,6 +84,23 @@ def _touches(scores: Scores) -> Iterator[Figure]:
         yield "f1", touches.f1
 
 
+def _sureness(sureness: Sureness) -> Iterator[Figure]:
+    if sureness.told:
+        yield "wrong_surely", sureness.wrong_surely
+        yield "wrong_unsurely", sureness.wrong_unsurely
+    if sureness.right:
+        yield "right_surely_share", sureness.right_surely / sureness.right
+
+
+def _awkward(pairs: Sequence[Awkward]) -> Iterator[Figure]:
+    for (kind, value), touches in by_value(pairs).items():
+        sureness, at = score_sureness(touches), f"at_{value:g}_{STEPS[kind].rpartition('_')[2]}"
+        yield f"{kind}_told_share_{at}", touches.recall
+        yield f"{kind}_wrong_surely_{at}", sureness.wrong_surely
+        yield f"{kind}_wrong_unsurely_{at}", sureness.wrong_unsurely
+        yield f"{kind}_off_mm_{at}", _mean(hit.off_mm for hit in touches.hits)
+
+
 def _spatial(scores: Scores) -> Iterator[Figure]:
     off = spatial(from_truth(scores.touches.hits))
     if off is not None:
@@ -92,8 +114,9 @@ def _spatial(scores: Scores) -> Iterator[Figure]:
 
 def _timing(scores: Scores) -> Iterator[Figure]:
     timing = scores.timing
-    yield "down_frames_median", _percentile([each.late_frames for each in timing])
-    yield "down_ms_median", _percentile([each.late_ms for each in timing])
+    late_ms, late_frames = median_late(timing) or (None, None)
+    yield "down_frames_median", late_frames
+    yield "down_ms_median", late_ms
     yield "down_before_contact_share", _mean(each.early for each in timing)
     yield "down_ago_error_ms_median", _percentile([abs(t.down_ago_error_ms) for t in timing])
     yield "up_ms_median", _percentile([t.up_ms for t in timing if t.up_ms is not None])

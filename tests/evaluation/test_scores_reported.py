@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from halo_service.evaluation.breakdown import breakdown
+from halo_service.evaluation.brief import brief
 from halo_service.evaluation.goals import GOALS, NOT_MEASURED, PASS, SHORT, goal_table
 from halo_service.evaluation.report.page import page
 from halo_service.evaluation.result import Result, Subject
@@ -16,10 +17,20 @@ from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.conduct import Conduct
 from halo_service.evaluation.scores.keys import Keys
 from halo_service.evaluation.scores.levels import Trial
+from halo_service.evaluation.scores.sureness import Sureness
 from halo_service.evaluation.scores.take import score
 from halo_service.evaluation.scores.threshold import Retap
 from halo_service.evaluation.table import Table, as_markdown, as_text
-from tests.evaluation.scored import SURFACE, contact, down, finger, told_frames, truth_frames, up
+from tests.evaluation.scored import (
+    SURFACE,
+    contact,
+    down,
+    finger,
+    pointer,
+    told_frames,
+    truth_frames,
+    up,
+)
 
 SUBJECT = Subject("201-wood", 201, "wood", "straight")
 FACTS = {"command": "halo evaluate", "users": "201 & 202"}
@@ -48,8 +59,16 @@ def empty(**more):
     return replace(score(told_frames(5), truth_frames(5), (), SURFACE), **more)
 
 
-def result(scores, task="pointing", method="ours", subject=SUBJECT, refused=""):
-    return Result(subject, task, method, scores, refused)
+def feinted(ghost=None, missed=False):
+    """Scores of a flat feint, told with the confidence `ghost`, and of the touch after it."""
+    downs = ({} if ghost is None else {5: [down()]}) | ({} if missed else {12: [down(x_mm=103.0)]})
+    told = told_frames(30, downs, {5: [pointer(confidence=1.0 if ghost is None else ghost)]})
+    script = [{"step": "angle", "pitch_deg": 8.0, "from_s": 0.0, "to_s": 1.0}]
+    return score(told, [*truth_frames(30), contact(11.5, 15)], script, SURFACE)
+
+
+def result(scores, task="pointing", method="ours", subject=SUBJECT, refused="", asked=False):
+    return Result(subject, task, method, scores, refused, asked=asked)
 
 
 def held(error, kind="hover", unseen=0.0):
@@ -104,6 +123,25 @@ CASES = {
         [result(held(np.nan, "pressure", unseen=1.0), "pressure")],
         NOT_MEASURED,
     ),
+    "a feint told surely": ("hard to see", [result(feinted(0.9), "awkward")], SHORT),
+    "a feint told in doubt": ("hard to see", [result(feinted(0.5), "awkward")], PASS),
+    "no feint told": ("hard to see", [result(feinted(), "awkward")], PASS),
+    "nothing told that is hard to see": (
+        "hard to see",
+        [result(feinted(missed=True), "awkward")],
+        NOT_MEASURED,
+    ),
+    "a palm told surely": (
+        "hard to see",
+        [result(feinted(), "awkward"), result(empty(sureness=Sureness(5, 0, 1)), "chaos")],
+        SHORT,
+    ),
+    "told wrongly where it is easy": (
+        "hard to see",
+        [result(empty(sureness=Sureness(5, 0, 1)), "ten-fingers")],
+        NOT_MEASURED,
+    ),
+    "a recording of feints": ("hard to see", [result(feinted(0.9), "recording")], SHORT),
     "a stuck touch": ("touches that stick", [result(empty(conduct=Conduct(1)))], SHORT),
     "real taps": ("real people", [result(taps(), "labels-05_1")], PASS),
     "everybody calibrated": ("tables that could not", [result(taps())], PASS),
@@ -144,7 +182,59 @@ def test_downs_before_their_contact_are_told_and_make_nothing_faster():
 def test_place_by_what_was_asked_for_meets_no_goal():
     script = [{"step": "target", "from_s": 0.5, "to_s": 1.5, "target_mm": [100.0, 100.0]}]
     scores = score_asked(told_frames(60, {20: [down(x_mm=104.0)]}), script, SURFACE)
-    assert line_of("spatial error of hits", [result(scores)]) == "4.0 ± 0.0 mm from the target"
+    results = [result(scores, asked=True)]
+    assert line_of("spatial error of hits", results) == "4.0 ± 0.0 mm from the target"
+
+
+def test_beside_what_was_told_wrongly_stands_what_was_missed_and_how_much_else_is_doubted():
+    results = [
+        result(feinted(0.9), "awkward"),
+        result(feinted(0.5, missed=True), "awkward"),
+        result(empty(sureness=Sureness(3, 1)), "chaos"),
+        result(empty(sureness=Sureness(199, 1))),
+    ]
+    assert line_of("hard to see", results) == f"1 / 1 of 7, 1 of 2 missed, {SHORT}"
+    assert line_of("right touches told surely", results) == "99.5 / 80.0 %"
+    assert line_of("right touches told surely", results[:1]) == "- / 100.0 %"
+    assert line_of("right touches told surely", [result(empty())]) == NOT_MEASURED
+
+
+def test_a_session_without_truth_tells_nothing_of_sureness():
+    script = [{"step": "target", "from_s": 0.5, "to_s": 1.5, "target_mm": [100.0, 100.0]}]
+    scores = score_asked(told_frames(60, {20: [down(x_mm=115.0)]}), script, SURFACE)
+    assert len(scores.touches.hits) == 1
+    assert scores.sureness == Sureness()
+    assert "wrong_surely" not in dict(figures(scores))
+
+
+def test_what_is_hard_to_see_is_told_by_how_hard_it_is():
+    results = [
+        result(feinted(0.9), "awkward"),
+        result(feinted(0.5, missed=True), "awkward"),
+        result(feinted(), "awkward", "paper"),
+    ]
+    tables = {table.title: table.rows for table in breakdown(results)}
+    assert tables["Touches that are hard to see"] == (
+        ("pitch, 8°", "ours", "2", "1", "1", "1", "1", "3.0 ± 0.0"),
+        ("pitch, 8°", "paper", "1", "1", "0", "0", "0", "3.0 ± 0.0"),
+    )
+    assert "Touches that are hard to see" not in {t.title for t in breakdown([result(taps())])}
+    rows = dict(figures(feinted(0.5)))
+    assert {name: rows[name] for name in rows if name.startswith("angle")} == {
+        "angle_told_share_at_8_deg": 1.0,
+        "angle_wrong_surely_at_8_deg": 0,
+        "angle_wrong_unsurely_at_8_deg": 1,
+        "angle_off_mm_at_8_deg": pytest.approx(3.0),
+    }
+    assert (rows["wrong_surely"], rows["wrong_unsurely"], rows["right_surely_share"]) == (0, 1, 1.0)
+
+
+def test_table_line_page_and_rows_tell_one_and_the_same_median():
+    early = taps(early=(0, 1, 2, 3))
+    assert line_of("contact", [result(early)]).startswith("0 ms")
+    assert "| 0 frames, 0 ms late |" in next(brief([result(early)]))
+    assert "ours, median 0 ms" in page((result(early),), FACTS)
+    assert dict(figures(early))["down_ms_median"] == 0.0
 
 
 def test_the_rows_say_how_many_downs_came_before_their_contact():

@@ -79,7 +79,8 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
         ),
         _figure(
             "From contact to the frame that told it",
-            "On the frames' own clock, without what receiving, sensing and sending cost.",
+            "On the frames' own clock, without what receiving, sensing and sending cost. Left of 0 "
+            "lies what was told before its contact; the median counts it as told at once.",
             touch_plots.lateness(results),
         ),
         _figure(

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from halo_service.evaluation import pick
 from halo_service.evaluation.report.svg import (
@@ -26,6 +25,7 @@ from halo_service.evaluation.report.svg import (
 )
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.spatial import Errors, ellipse, from_truth
+from halo_service.evaluation.scores.timing import Timing, median_late
 from halo_service.evaluation.scores.touches import Hit
 
 AROUND_MM = 30.0
@@ -75,9 +75,10 @@ def lateness(results: Sequence[Result]) -> list[str]:
     drawings = []
     for method in pick.methods(results):
         mine = pick.pointing(pick.of(results, method))
-        late = np.array([timing.down_ms for part in mine for timing in part.timing])
-        if late.size:
-            drawings.append(_histogram(method, late))
+        timing = [each for part in mine for each in part.timing]
+        late = median_late(timing)
+        if late is not None:
+            drawings.append(_histogram(method, timing, late[0]))
     return drawings
 
 
@@ -129,13 +130,14 @@ def _bars(methods: Sequence[str], shares: Mapping[str, Sequence[float]]) -> str:
     return drawing(panel, "F1 by method and material", parts)
 
 
-def _histogram(method: str, late: NDArray[np.float64]) -> str:
+def _histogram(method: str, timing: Sequence[Timing], median_ms: float) -> str:
+    down_ms = [each.down_ms for each in timing]
     edges = np.arange(HISTOGRAM_MS[0], HISTOGRAM_MS[1] + BIN_MS, BIN_MS)
-    shares = 100.0 * np.histogram(np.clip(late, *HISTOGRAM_MS), edges)[0] / late.size
+    shares = 100.0 * np.histogram(np.clip(down_ms, *HISTOGRAM_MS), edges)[0] / len(down_ms)
     top = max(10.0, 1.15 * float(shares.max()))
     panel = Panel(210.0, 120.0, HISTOGRAM_MS, (0.0, top))
     percents = ticks(*range(0, int(top), 10 if top < 45.0 else 20))
-    words = f"{method}, median {np.median(late):.0f} ms"
+    words = f"{method}, median {median_ms:.0f} ms"
     moments = ticks(0, 33, 67, 100, 133)
     parts = [axes(panel, words, "ms after contact", "% of touches", moments, percents)]
     for left, share in zip(edges[:-1].tolist(), shares.tolist(), strict=True):

@@ -15,6 +15,7 @@ import numpy as np
 
 from halo_service.evaluation.scores.conduct import Conduct
 from halo_service.evaluation.scores.levels import LEVELS
+from halo_service.evaluation.scores.sureness import Sureness
 from halo_service.evaluation.scores.take import Scores, score
 from halo_service.evaluation.scores.truth import Line
 from halo_service.geometry.surface import Surface
@@ -44,7 +45,14 @@ def score_asked(frames: Sequence[TouchFrame], script: Sequence[Line], surface: S
     lines += [_frame(frame, script, start_us, surface) for frame in frames]
     scores = score(within, lines, script, surface)
     return replace(
-        scores, timing=(), strikes=(), velocities=(), conduct=Conduct(), jumps=(), phrases=()
+        scores,
+        sureness=Sureness(),
+        timing=(),
+        strikes=(),
+        velocities=(),
+        conduct=Conduct(),
+        jumps=(),
+        phrases=(),
     )
 
 

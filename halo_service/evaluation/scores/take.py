@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from halo_service.evaluation.scores.awkward import Awkward, score_awkward
 from halo_service.evaluation.scores.conduct import Conduct, score_conduct
 from halo_service.evaluation.scores.keys import Keys, Phrase, score_keys, score_phrases
 from halo_service.evaluation.scores.levels import Jump, Trial, score_levels, score_seam
 from halo_service.evaluation.scores.motion import Speed, score_strikes, score_velocity
+from halo_service.evaluation.scores.sureness import Sureness, score_sureness
 from halo_service.evaluation.scores.threshold import Retap, score_threshold
 from halo_service.evaluation.scores.timing import Timing, score_timing
 from halo_service.evaluation.scores.touches import Touches, score_touches
@@ -22,6 +24,7 @@ class Scores:
     """Everything that could be judged; empty where a take gave no occasion."""
 
     touches: Touches
+    sureness: Sureness
     timing: tuple[Timing, ...]
     strikes: tuple[Speed, ...]
     velocities: tuple[Speed, ...]
@@ -29,13 +32,9 @@ class Scores:
     trials: tuple[Trial, ...]
     jumps: tuple[Jump, ...]
     retaps: tuple[Retap, ...]
+    awkward: tuple[Awkward, ...]
     keys: Keys
     phrases: tuple[Phrase, ...]
-
-    @property
-    def asked(self) -> bool:
-        """Whether touches are judged by what was asked for alone: nobody knows when they began."""
-        return bool(self.touches.hits) and not self.timing
 
 
 def score(
@@ -49,6 +48,7 @@ def score(
     touches = score_touches(frames, true)
     return Scores(
         touches,
+        score_sureness(touches),
         score_timing(touches.hits),
         score_strikes(touches.hits),
         score_velocity(frames, true),
@@ -56,6 +56,7 @@ def score(
         score_levels(frames, true, script),
         score_seam(frames, true),
         score_threshold(touches, true, script),
+        score_awkward(touches, true, script),
         score_keys(touches),
         score_phrases(touches),
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 
 from halo_service.evaluation.scores.touches import Hit
 
@@ -45,6 +46,13 @@ class Timing:
 def score_timing(hits: Sequence[Hit]) -> tuple[Timing, ...]:
     """Time every touch that was told."""
     return tuple(_timing(hit) for hit in hits if hit.touch.ended)
+
+
+def median_late(timing: Sequence[Timing]) -> tuple[float, float] | None:
+    """Return the medians of `late_ms` and of `late_frames`; None where nothing was timed."""
+    if not timing:
+        return None
+    return median(each.late_ms for each in timing), median(each.late_frames for each in timing)
 
 
 def _timing(hit: Hit) -> Timing:

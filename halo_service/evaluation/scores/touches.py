@@ -7,8 +7,9 @@ judged (see `timing`), not believed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,8 @@ class Down:
     up_us: int | None
     """Of the frame that told its end; None where none did."""
     up_ago_ms: float
+    confidence: float = field(compare=False)
+    """Of its pointer in that frame; nan, which equals nothing, where it had none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +58,11 @@ class Hit:
     """Frames from the first that was taken in contact to the one that told it; negative: early."""
     true_mm: tuple[float, float]
     """Where the pad was in the frame that told it, surface frame."""
+
+    @property
+    def off_mm(self) -> float:
+        """How far from there it was told."""
+        return math.dist((self.down.x_mm, self.down.y_mm), self.true_mm)
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +188,7 @@ def _down(frame: TouchFrame, event: TouchEvent, up: tuple[int, TouchEvent] | Non
         event.ago_ms,
         up[0] if up else None,
         up[1].ago_ms if up else 0.0,
+        who.confidence if who else math.nan,
     )
 
 

@@ -37,6 +37,8 @@ LEAST_PX = 60
 NOISE_MM, OFF_PX = 4.0, 5.0
 """Of all pixels together, and of the middle: how much the one is trusted over the other (chosen:
 neighbours err alike)."""
+SKIN_MM = 5.0
+"""What reads so much less than the bell is no surface (chosen: above the noise)."""
 PASSES = 2
 """A third changes nothing."""
 _REACH = math.ceil(RING_PX[1])
@@ -65,7 +67,11 @@ def dent_under(revealed: Revealed, tip: Fingertip, profile: Profile) -> float:
 
 
 def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
-    """Return the depth of the bell that fits best; its middle is free, though not to go far."""
+    """Return the depth of the bell that fits best; its middle is free, though not to go far.
+
+    The skin of a low fingertip, averaged with the dent beside it, can read as the empty surface
+    does; that it is none shows in how far it lies from the bell.
+    """
     middle = np.zeros(2)
     trust = np.diag([0.0, (NOISE_MM / OFF_PX) ** 2, (NOISE_MM / OFF_PX) ** 2])
     for _ in range(PASSES):
@@ -75,6 +81,9 @@ def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
         wrong = slopes @ (read_mm - deep_mm * shape) - trust @ np.array([0.0, *middle])
         middle = middle + np.linalg.solve(slopes @ slopes.T + trust, wrong)[1:]
         middle = np.clip(middle, -OFF_PX, OFF_PX)
+        shape, deep_mm = _fitted(along, across, read_mm, middle)
+        dented = read_mm - deep_mm * shape > -SKIN_MM
+        along, across, read_mm = along[dented], across[dented], read_mm[dented]
     return _fitted(along, across, read_mm, middle)[1]
 
 

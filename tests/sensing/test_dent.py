@@ -64,6 +64,17 @@ def test_what_lies_over_part_of_the_dent_or_is_unmeasured_is_left_out(
     assert read == pytest.approx(DEEP_MM, rel=0.03)
 
 
+@pytest.mark.parametrize("off_px", [(0.0, 1.0), (0.0, 3.5)])
+def test_skin_that_reads_as_the_empty_surface_does_is_left_out(
+    profile: Profile, off_px: tuple[float, float]
+) -> None:
+    deep_mm, seen = 40.0, excess(40.0)
+    away = np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1])
+    seen[(away > FINGER_PX) & (away < FINGER_PX + 3) & (COLUMNS > PAD_PX[0])] = 1.0
+    read = dent_under(revealed(seen), found(off_px), profile)
+    assert read == pytest.approx(deep_mm, rel=0.08)
+
+
 def test_an_undented_surface_reads_next_to_nothing(profile: Profile) -> None:
     noise = np.random.default_rng(1).normal(0.0, 1.5, (576, 640)).astype(np.float32)
     read = dent_under(revealed(excess(0.0) + noise), found((0.0, 2.0)), profile)

@@ -70,7 +70,7 @@ def test_skin_that_reads_as_the_empty_surface_does_is_left_out(
 ) -> None:
     deep_mm, seen = 40.0, excess(40.0)
     away = np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1])
-    seen[(away > FINGER_PX) & (away < FINGER_PX + 3) & (COLUMNS > PAD_PX[0])] = 1.0
+    seen[(away > FINGER_PX) & (away < FINGER_PX + 3) & (PAD_PX[0] < COLUMNS)] = 1.0
     read = dent_under(revealed(seen), found(off_px), profile)
     assert read == pytest.approx(deep_mm, rel=0.08)
 

@@ -47,6 +47,8 @@ ROUND = 0.75
 """Share of the radius to both sides of the middle over which the round end is averaged."""
 LEAST_STEP_MM = 5.0
 """A lower step is no edge (chosen: above the noise of the rows that are averaged)."""
+MISFIT = 0.5
+"""Share of the radius by which a tip may be broader than its two (chosen: blur adds a quarter)."""
 OFF_PX = 3.0
 """The two sides move the middle by at most this."""
 
@@ -93,13 +95,31 @@ def outline(
         return None
     layers = np.asarray(cv2.merge([excess, own.astype(np.float32)]), dtype=np.float32)
     view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
-    tip, direction = _midline(view, rough, direction, radius_px)
+    found = _ended(view, *_midline(view, rough, direction, radius_px), radius_px)
+    if _misfit(found, radius_px) > MISFIT * radius_px:
+        # Knuckles beside a finger draw its midline over to them; the tracker knows them apart.
+        as_given = _ended(view, rough, direction, radius_px)
+        if _misfit(as_given, radius_px) <= _misfit(found, radius_px):
+            found = as_given
+    tip = found.tip_px
+    return found._replace(tip_px=(tip[0] + part.left, tip[1] + part.top))
+
+
+def _ended(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> Outline:
+    """Put a finger's rough end on its outline; in the view's own pixels."""
     for _ in range(2):  # the second pass stands in the middle, the first may stand beside it
         ahead, clear = _end(view, tip, direction, radius_px)
         tip = moved(tip, direction, ahead, 0.0)
         aside, width_px = _sides(view, tip, direction, radius_px)
         tip = moved(tip, direction, 0.0, aside)
-    return Outline((tip[0] + part.left, tip[1] + part.top), direction, width_px, clear)
+    return Outline(tip, direction, width_px, clear)
+
+
+def _misfit(found: Outline, radius_px: float) -> float:
+    """Return how far from a fingertip's breadth an end's two sides are, px; inf without an edge."""
+    if not found.clear:
+        return math.inf
+    return radius_px if math.isnan(found.width_px) else abs(found.width_px - 2.0 * radius_px)
 
 
 def _around(revealed: Revealed, guess: Pixel) -> Revealed:

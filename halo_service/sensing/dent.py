@@ -74,8 +74,8 @@ def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
     """
     middle = np.zeros(2)
     trust = np.diag([0.0, (NOISE_MM / OFF_PX) ** 2, (NOISE_MM / OFF_PX) ** 2])
+    shape, deep_mm = _fitted(along, across, read_mm, middle)
     for _ in range(PASSES):
-        shape, deep_mm = _fitted(along, across, read_mm, middle)
         pull = 2.0 * deep_mm / BELL_PX**2 * shape
         slopes = np.stack([shape, pull * (along - middle[0]), pull * (across - middle[1])])
         wrong = slopes @ (read_mm - deep_mm * shape) - trust @ np.array([0.0, *middle])
@@ -83,8 +83,10 @@ def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
         middle = np.clip(middle, -OFF_PX, OFF_PX)
         shape, deep_mm = _fitted(along, across, read_mm, middle)
         dented = read_mm - deep_mm * shape > -SKIN_MM
-        along, across, read_mm = along[dented], across[dented], read_mm[dented]
-    return _fitted(along, across, read_mm, middle)[1]
+        if not dented.all():
+            along, across, read_mm = along[dented], across[dented], read_mm[dented]
+            shape, deep_mm = _fitted(along, across, read_mm, middle)
+    return deep_mm
 
 
 def _fitted(along: Floats, across: Floats, read_mm: Floats, middle: Floats) -> tuple[Floats, float]:

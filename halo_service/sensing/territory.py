@@ -84,9 +84,12 @@ def share(fingers: Sequence[Expected], revealed: Revealed) -> Shares:
     if len(fingers) < 2:
         return Shares(halo, hand)
     halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
-    for number, finger in enumerate(fingers):
-        tip = revealed.inside(finger.tip_px)
-        box = _box(tip, shape)
+    tips = [revealed.inside(finger.tip_px) for finger in fingers]
+    boxes = [_box(tip, shape) for tip in tips]
+    for number, (finger, tip, box) in enumerate(zip(fingers, tips, boxes, strict=True)):
+        if sum(_meet(box, other) for other in boxes) == 1:  # itself
+            halo[box] = hand[box] = number
+            continue
         dx, dy = _from(tip, box)
         ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
         back, aside = -dx * ux - dy * uy, (dy * ux - dx * uy) ** 2
@@ -156,6 +159,10 @@ def _box(tip: Pixel, shape: tuple[int, ...]) -> Part:
         min(max(column - REACH_PX, 0), shape[1]), min(max(column + REACH_PX, 0), shape[1])
     )
     return rows, columns
+
+
+def _meet(a: Part, b: Part) -> bool:
+    return all(p.start < q.stop and q.start < p.stop for p, q in zip(a, b, strict=True))
 
 
 def _from(tip: Pixel, box: Part) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

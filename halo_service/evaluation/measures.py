@@ -102,7 +102,9 @@ def spatial_error_as_the_paper(results: Sequence[Result]) -> Measured | None:
 
 def least_lift(results: Sequence[Result]) -> Measured | None:
     """The touch point threshold."""
-    retaps = [each for part in pick.tasks(results, "threshold") for each in part.retaps]
+    retaps = [
+        each for part in pick.tasks(results, "threshold", pick.RECORDING) for each in part.retaps
+    ]
     if not retaps:
         return None
     shares = told_by_lift(retaps)

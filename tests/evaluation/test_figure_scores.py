@@ -225,6 +225,18 @@ def test_a_touch_that_is_told_long_after_its_end_sticks(ends, stuck):
     assert conduct_of(lines, {5: [down()]} | ends).stuck == stuck
 
 
+@pytest.mark.parametrize(
+    "again, up_at, stuck",
+    [((15, 18), 20, 0), ((15, 18), 27, 1), ((15, 18, "middle"), 20, 1), ((18, 21), 22, 1)],
+    ids=["re-tapped soon", "and then held on", "by another finger", "re-tapped late"],
+)
+def test_a_touch_that_is_told_on_over_a_missed_re_tap_does_not_stick(again, up_at, stuck):
+    begin, end, *which = again
+    more = {"finger": which[0]} if which else {}
+    lines = [*truth_frames(COUNT), contact(5, 10), contact(begin, end, **more)]
+    assert conduct_of(lines, {5: [down()], up_at: [up()]}).stuck == stuck
+
+
 def pressed(begin, end, x_mm=100.0, **more):
     """The truth's lines of a finger that touches from frame to frame, and is in the air else."""
     fingers = {k: [finger(x_mm, height_mm=0.0, **more)] for k in range(begin, end + 1)}

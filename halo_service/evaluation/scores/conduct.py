@@ -9,7 +9,7 @@ import numpy as np
 
 from halo_service.evaluation.scores.followed import NEAR_MM, pairs
 from halo_service.evaluation.scores.touches import Down, Touches, published
-from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, Truth
+from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, TrueTouch, Truth
 from halo_service.geometry.surface import Surface
 from halo_service.values import Finger, Side, TouchFrame
 
@@ -68,11 +68,24 @@ def score_conduct(
 
 def _stuck(frames: Sequence[TouchFrame], truth: Truth, touches: Touches) -> int:
     """Count published touches that stick: a hit has its own touch to end with, others any near."""
-    hits = {hit.down: hit.touch for hit in touches.hits}
+    ends = {hit.down: _end_us(hit.touch, touches.missed) for hit in touches.hits}
     return sum(
-        _sticks(down.up_us, hits[down].to_us) if down in hits else _lingers(down, frames, truth)
+        _sticks(down.up_us, ends[down]) if down in ends else _lingers(down, frames, truth)
         for down in published(frames)
     )
+
+
+def _end_us(touch: TrueTouch, missed: Sequence[TrueTouch]) -> int:
+    """Return when a finger had risen after a touch for good: re-taps that nobody told are no end.
+
+    They are missed ones, and the touch that goes on over them does not stick as well.
+    """
+    end_us = touch.to_us
+    for later in missed:  # in order of time
+        soon = touch.to_us < later.from_us <= end_us + STUCK_US
+        if soon and (later.side, later.finger) == (touch.side, touch.finger):
+            end_us = later.to_us
+    return end_us
 
 
 def _sticks(up_us: int | None, to_us: int) -> bool:

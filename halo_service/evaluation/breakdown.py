@@ -196,8 +196,9 @@ def conduct_by_task(results: Sequence[Result]) -> Table:
             "strange, %|unseen, %|hover jumps, mm"
         ),
         tuple(rows),
-        "Strange: pointers where no finger is. Unseen: low fingers without a pointer. Hover jumps: "
-        "the change from frame to frame beyond the finger's own, 99th percentile and largest.",
+        "Strange: pointers where no finger is. Unseen: low fingers that play, without a pointer. "
+        "Hover jumps: the change from frame to frame beyond the finger's own, 99th percentile and "
+        "largest.",
     )
 
 

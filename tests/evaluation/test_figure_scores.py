@@ -294,6 +294,14 @@ def test_neighbours_do_not_take_each_others_pointers():
     assert (conduct.unseen, conduct.id_changes, conduct.strange) == (5, 0, 0)
 
 
+@pytest.mark.parametrize("plays, unseen", [("index", 0), ("ring", COUNT)])
+def test_a_finger_that_merely_hangs_beside_need_not_be_a_pointer(plays, unseen):
+    fingers = everywhere([finger(100.0), finger(140.0, finger="ring")])
+    lines = [*truth_frames(COUNT, fingers), contact(5, 10, finger=plays)]
+    conduct = conduct_of(lines, pointers=everywhere([pointer(1, 100.0)]))
+    assert (conduct.unseen, conduct.fingers) == (unseen, COUNT + unseen)
+
+
 def test_a_pointer_where_no_finger_is_is_strange_but_not_at_once():
     there = {k: [finger()] if k < 10 else [] for k in range(COUNT)}
     conduct = conduct_of(truth_frames(COUNT, there))

@@ -38,9 +38,9 @@ class Conduct:
     pointers: int = 0
     """Pointers in all frames: what `strange` is a share of."""
     unseen: int = 0
-    """Fingers low over the surface that had no pointer, counted once a frame."""
+    """Playing fingers low over the surface that had no pointer, counted once a frame."""
     fingers: int = 0
-    """Fingers low over the surface in all frames: what `unseen` is a share of."""
+    """Playing fingers low over the surface in all frames: what `unseen` is a share of."""
 
     def __add__(self, other: Conduct) -> Conduct:
         """Both takes together."""
@@ -134,12 +134,22 @@ def _strange(frames: Sequence[TouchFrame], truth: Truth) -> int:
 
 
 def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> tuple[int, int, int]:
-    """Return how often a finger had no pointer, of how many times, and how often a new id."""
+    """Return how often a finger had no pointer, of how many times, and how often a new id.
+
+    Of fingers that play: the index fingers, and whichever touches in this take. Nobody asked for
+    pointers of those that merely hang beside.
+    """
     unseen = fingers = changes = 0
+    plays = {(touch.side, touch.finger) for touch in truth.touches}
+    plays |= {(side, Finger.INDEX) for side in Side}
     ids: dict[tuple[Side, Finger], int] = {}
     for frame in frames:
         true = truth.at(frame.time_us)
-        present = [f for f in true.fingers if _low(f, surface)] if true else []
+        present = [
+            f
+            for f in (true.fingers if true else ())
+            if (f.side, f.finger) in plays and _low(f, surface)
+        ]
         ids = {who: id_ for who, id_ in ids.items() if who in {(f.side, f.finger) for f in present}}
         fingers += len(present)
         unseen += len(present)

@@ -106,6 +106,19 @@ def test_a_neighbour_does_not_turn_the_finger() -> None:
     assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5
 
 
+@pytest.mark.parametrize("behind_px", [12, 14])
+@pytest.mark.parametrize("columns", [(283, 315), (325, 357)], ids=["left", "right"])
+def test_knuckles_that_adjoin_the_finger_do_not_draw_it_over(
+    columns: tuple[int, int], behind_px: int
+) -> None:
+    picture = finger(0.0, 6.0, 26.0)
+    picture[288 + behind_px : 345, slice(*columns)] = -60.0
+    found = outline(picture, MEASURED, END, (0.0, -1.0), RADIUS_PX)
+    assert found is not None
+    assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.0
+    assert found.direction == (0.0, -1.0)
+
+
 def test_plain_noise_does_not_stand_out() -> None:
     noise = np.random.default_rng(1).normal(0.0, 2.0, (576, 640)).astype(np.float32)
     assert np.count_nonzero(stands_out(noise)) < 5

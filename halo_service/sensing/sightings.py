@@ -35,7 +35,7 @@ class Sighting:
     finger: Finger
     tip_px: Pixel
     distal_px: Pixel
-    """The joint next to the tip, put on the line to the middle joint: a finger bends in one plane,
+    """The joint next to the tip, put on the line to the finger's root: a finger bends in one plane,
     and two landmarks 20 px apart tell its direction badly."""
     confidence: float
 
@@ -66,8 +66,8 @@ def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
 
 def _sighting(time_us: int, hand: Hand, finger: Finger) -> Sighting:
     tip = THUMB_TIP + FINGER_MARKS * int(finger)
-    end, distal, middle = (hand.landmarks_px[tip - joint] for joint in range(3))
-    line = (end - middle) / max(float(np.linalg.norm(end - middle)), 1.0)
+    end, distal, root = (hand.landmarks_px[tip - joint] for joint in (0, 1, 3))
+    line = (end - root) / max(float(np.linalg.norm(end - root)), 1.0)
     joint = end - line * float(np.linalg.norm(end - distal))
     return Sighting(time_us, hand.side, finger, _pixel(end), _pixel(joint), hand.confidence)
 

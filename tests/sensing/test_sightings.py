@@ -57,9 +57,10 @@ def test_landmarks_that_have_collapsed_are_no_hand() -> None:
     assert seen(Hand(Side.RIGHT, np.full((21, 2), 300.0), 0.99)) == []
 
 
-def test_the_joint_lies_on_the_line_to_the_middle_joint() -> None:
+@pytest.mark.parametrize("joint", [7, 6], ids=["the last joint", "the middle joint"])
+def test_the_joint_lies_on_the_line_to_the_fingers_root(joint: int) -> None:
     marks = hand(Finger.INDEX).landmarks_px.copy()
-    marks[7, 0] += 9.0  # the last joint is badly seen
+    marks[joint, 0] += 9.0  # badly seen
     sighting = sightings(Tracked(0, (Hand(Side.RIGHT, marks, 0.9),)))[0]
     assert sighting.distal_px[0] == pytest.approx(sighting.tip_px[0])
 

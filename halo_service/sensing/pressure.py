@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from halo_service.profile import TouchStates
-from halo_service.sensing.states import interpolate
+from halo_service.sensing.states import interpolate, readings
 from halo_service.values import Signal
 
 LEAST_PRESSURE = 0.02
@@ -21,18 +19,15 @@ TOUCH_G, PRESS_G = 25.0, 200.0
 def touch_pressure(signal: Signal, states: TouchStates) -> float:
     """Return 0.02 at a relaxed touch, 1 at the calibrated press, more beyond (paper 4.3.6).
 
-    Linear in the force, so more than linear in the halo. Read off the dent under the finger: it
-    goes on growing where the patch's sum is cut off at its edge and by the finger.
+    Linear in the force, so more than linear in the halo.
     """
     touch, press = states.touch, states.pressure
-    if math.isfinite(signal.pressed_mm) and press.deep_mm > touch.deep_mm > 0.0:
-        read, relaxed, pressed = signal.pressed_mm, touch.deep_mm, press.deep_mm
-    else:
-        read, relaxed, pressed = signal.corrected, touch.signal, press.signal
     touch_g, press_g = touch.force_g, press.force_g
     if not 0.0 <= touch_g < press_g:
         touch_g, press_g = TOUCH_G, PRESS_G
-    contact = interpolate(read, relaxed, pressed, float(touch_g**GROWTH), float(press_g**GROWTH))
+    contact = interpolate(
+        *readings(signal, touch, press), float(touch_g**GROWTH), float(press_g**GROWTH)
+    )
     force_g = float(max(contact, 0.0) ** (1.0 / GROWTH))
     return max((force_g - touch_g) / (press_g - touch_g), LEAST_PRESSURE)
 

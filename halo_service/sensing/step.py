@@ -88,7 +88,7 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
         return waiting(before, now_us, settings)
     tip = found.tip
     signal = measure(found.own, tip, profile)
-    level = touch_level(signal.corrected, states)
+    level = touch_level(signal, states)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
     pointer = describe(before.id, before.slot, tip, signal, level, bounced.contact, states)

@@ -110,10 +110,19 @@ def test_interpolation_is_the_papers_equation() -> None:
     assert interpolate(25.0, 10.0, 20.0, 1.0, 3.0) == 4.0
 
 
-def test_the_level_is_0_at_subtle_and_1_at_touch(profile: Profile) -> None:
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0, 1.5])
+def test_the_level_is_0_at_subtle_and_1_at_touch(
+    profile: Profile, dented: TouchStates, share: float
+) -> None:
     assert profile.touch is not None
-    assert touch_level(1500.0, profile.touch) == 0.0
-    assert touch_level(2000.0, profile.touch) == 1.0
+    total = 1500.0 + share * 500.0
+    deep_mm = dented.subtle.deep_mm + share * (dented.touch.deep_mm - dented.subtle.deep_mm)
+    half_hidden = Signal(0.0, 0.0, NAN, deep_mm)
+    assert touch_level(half_hidden, dented) == pytest.approx(share)
+    without_a_dent = Signal(total, total, NAN, NAN)
+    assert touch_level(without_a_dent, dented) == pytest.approx(share)
+    older = profile.touch  # calibrated before dents were
+    assert touch_level(Signal(total, total, 3.0, 3.0), older) == pytest.approx(share)
 
 
 def levels(*values: float, speed_mm_s: float = 0.0) -> list[Detector]:

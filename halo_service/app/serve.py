@@ -7,7 +7,7 @@ import secrets
 import signal
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from functools import partial
 from types import FrameType
 
@@ -110,13 +110,12 @@ def _same_again(reopen: Callable[[], Source], camera: Camera) -> Source:
 def _carriers(settings: Settings, node: str, surface: str, stack: ExitStack) -> list[Carrier]:
     carriers: list[Carrier] = []
     if settings.osc.enabled:
-        carriers.append(OscOutput([destination(each) for each in settings.osc.destinations]))
+        osc = OscOutput([destination(each) for each in settings.osc.destinations])
+        carriers.append(stack.enter_context(closing(osc)))
     if settings.zenoh.enabled:
         from halo_service.outputs.zenoh import ZenohOutput
 
-        carriers.append(ZenohOutput(settings.zenoh, node, surface))
-    for carrier in carriers:
-        stack.callback(carrier.close)
+        carriers.append(stack.enter_context(closing(ZenohOutput(settings.zenoh, node, surface))))
     return carriers
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from halo_service.app.cli import main
+
 HALO = Path(sys.executable).with_name("halo")
 
 
@@ -46,18 +48,24 @@ def halo(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     ],
 )
 def test_one_sentence_and_exit_2(
-    arguments: list[str], says: str, tmp_path: Path, free_port: Callable[[], int]
+    arguments: list[str],
+    says: str,
+    tmp_path: Path,
+    free_port: Callable[[], int],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "bad.toml").write_text("[osc]\nprot = 9000\n")
     if arguments[0] == "serve":
         arguments = [*arguments, "--control-port", str(free_port())]
         if "--zenoh-listen" not in arguments:
             arguments.append("--no-zenoh")
-    result = halo(*arguments, cwd=tmp_path)
-    assert result.returncode == 2
-    assert says in result.stderr
-    assert "Traceback" not in result.stderr
-    assert result.stdout == ""
+    assert main(arguments) == 2
+    told = capfd.readouterr()
+    assert says in told.err
+    assert "Traceback" not in told.err
+    assert told.out == ""
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 
@@ -69,6 +77,7 @@ def test_a_control_port_in_use_is_one_sentence(tmp_path: Path) -> None:
     assert result.returncode == 2
     assert result.stderr.count("\n") == 1
     assert "--control-port" in result.stderr
+    assert result.stdout == ""
 
 
 def test_debug_shows_the_traceback(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""How deep the surface seems dented under the fingertip: the halo without a threshold.
+"""Stage 4: how deep the surface seems dented under a fingertip, the halo without a threshold.
 
 The finger hides the middle of the dent, so its depth is told by what shows beside and ahead. There
 the dent is steep: a fingertip found a millimetre off reads a fifth more or less. So a round bell is
@@ -34,6 +34,10 @@ EDGE = np.ones((5, 5), np.uint8)
 """What lies within two pixels of a hand is no surface either: along an edge a camera averages."""
 LEAST_PX = 60
 """Fewer pixels tell no middle: the image's edge, or another finger all around."""
+LEAST_WEIGHT = 2.0
+"""The bell's own squares over what is read, summed: how well its depth can be told. The ring's far
+side alone fits a bell of any depth (chosen: fingers that show have 3 and more, those that a hand
+hides all but a rim of have 1)."""
 NOISE_MM, OFF_PX = 4.0, 5.0
 """Of all pixels together, and of the middle: how much the one is trusted over the other (chosen:
 neighbours err alike)."""
@@ -67,8 +71,9 @@ def dent_under(revealed: Revealed, tip: Fingertip, profile: Profile) -> float:
 
 
 def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
-    """Return the depth of the bell that fits best; its middle is free, though not to go far.
+    """Return the depth of the bell that fits best, nan where none is told by what shows.
 
+    Its middle is free, though not to go far.
     The skin of a low fingertip, averaged with the dent beside it, can read as the empty surface
     does; that it is none shows in how far it lies from the bell.
     """
@@ -86,7 +91,7 @@ def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
         if not dented.all():
             along, across, read_mm = along[dented], across[dented], read_mm[dented]
             shape, deep_mm = _fitted(along, across, read_mm, middle)
-    return deep_mm
+    return deep_mm if shape @ shape >= LEAST_WEIGHT else math.nan
 
 
 def _fitted(along: Floats, across: Floats, read_mm: Floats, middle: Floats) -> tuple[Floats, float]:

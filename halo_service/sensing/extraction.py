@@ -1,4 +1,7 @@
-"""Stage 4: the halo's strength around one fingertip."""
+"""Stage 4, as in the paper: the halo's strength in a patch around one fingertip.
+
+It stands in where the depth of the dent is hidden, or was not calibrated.
+"""
 
 from __future__ import annotations
 

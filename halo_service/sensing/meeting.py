@@ -28,7 +28,7 @@ STRAYED_PX = 30.0
 """The tracker's tips are 4 px off at the median and 28 at their worst: within that the depth's
 word counts (measured on virtual hands at 0.5 m)."""
 TURN_SHARE = 0.3
-"""Of a new direction in the smoothed one (chosen: two landmarks 20 px apart tell it badly)."""
+"""Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
 MOST_VOTES = 8
 """A quarter of a second of the tracker's opinions on left and right."""
 REPLACED_US = 200_000

@@ -26,7 +26,7 @@ def touch_pressure(signal: Signal, states: TouchStates) -> float:
     if not 0.0 <= touch_g < press_g:
         touch_g, press_g = TOUCH_G, PRESS_G
     contact = interpolate(
-        *readings(signal, states, touch, press), float(touch_g**GROWTH), float(press_g**GROWTH)
+        *readings(signal, touch, press), float(touch_g**GROWTH), float(press_g**GROWTH)
     )
     force_g = float(max(contact, 0.0) ** (1.0 / GROWTH))
     return max((force_g - touch_g) / (press_g - touch_g), LEAST_PRESSURE)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from halo_service.profile import Profile
+from halo_service.sensing import start, step
 from halo_service.sensing.dent import BELL_PX, dent_under
 from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.settings import SensingSettings
-from halo_service.values import Finger, Fingertip, Side
+from halo_service.values import Finger, Fingertip, Frame, Side, Tracked
 
 PAD_PX = (320.0, 295.0)
 """Under the middle of a round tip that ends at 288."""
@@ -85,3 +88,38 @@ def test_an_undented_surface_reads_next_to_nothing(profile: Profile) -> None:
 def test_a_hidden_dent_is_not_guessed(profile: Profile, at: tuple[float, float]) -> None:
     hidden = np.full((576, 640), -40.0, np.float32)
     assert math.isnan(dent_under(revealed(hidden), found(at=at), profile))
+
+
+@pytest.mark.parametrize("hidden_px", [12.0, 14.0])
+def test_a_rim_of_a_dent_tells_no_depth(profile: Profile, hidden_px: float) -> None:
+    seen = excess()
+    seen[np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1]) < hidden_px] = -40.0
+    assert math.isnan(dent_under(revealed(seen), found(), profile))
+
+
+@pytest.fixture
+def held(profile: Profile) -> Profile:
+    """The four states as dents of 10, 18, 24 and 30 mm; their sums are out of reach."""
+    assert profile.touch is not None
+    depths = {"hover": 10.0, "subtle": 18.0, "touch": 24.0, "pressure": 30.0}
+    states = {
+        name: replace(getattr(profile.touch, name), deep_mm=deep_mm, signal=1e5 * deep_mm)
+        for name, deep_mm in depths.items()
+    }
+    return replace(profile, touch=replace(profile.touch, **states))
+
+
+@pytest.mark.parametrize("beside_mm", [None, -14.0], ids=["free", "half hidden by a neighbour"])
+def test_a_tap_is_told_by_its_dent(
+    held: Profile, see: Callable[..., Tracked], beside_mm: float | None
+) -> None:
+    state, told = start(held, SensingSettings()), []
+    for n, deep_mm in enumerate([10, 10, 10, 24, 24, 24, 10, 10, 10]):
+        depth = np.rint(500.0 + excess(deep_mm, beside_mm)).astype(np.uint16)
+        frame = Frame(n * 33_333, depth, np.full((576, 640), 1000, np.uint16))
+        seen, state = step(state, frame, see(time_us=n * 33_333))
+        told.append(seen)
+    assert [(n, e.kind) for n, frame in enumerate(told) for e in frame.events] == [
+        (3, "down"),
+        (7, "up"),
+    ]

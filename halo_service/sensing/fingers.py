@@ -64,6 +64,8 @@ class Memory:
     """For a right hand less those for a left one, over the last sightings."""
     shown_us: int
     """When the depth last showed it."""
+    off_px: float = 0.0
+    """How far from its path the tracker last saw it."""
     astray: int = 0
     """Sightings in a row that contradicted its path."""
     pointer: Pointer | None = None

@@ -74,15 +74,14 @@ def _sighted(finger: Memory, sighting: Sighting) -> Memory:
         return finger
     votes = min(max(finger.votes + _vote(sighting.side), -MOST_VOTES), MOST_VOTES)
     direction, astray = finger.direction, finger.astray + 1
-    if not _strayed(finger, sighting):
+    off_px = _distance(finger, sighting)
+    if off_px <= STRAYED_PX:
         new = unit(sighting.distal_px, sighting.tip_px)
         dx, dy = TURN_SHARE * (new[0] - direction[0]), TURN_SHARE * (new[1] - direction[1])
         direction, astray = unit((0.0, 0.0), (direction[0] + dx, direction[1] + dy)), 0
-    return replace(finger, sighting=sighting, votes=votes, direction=direction, astray=astray)
-
-
-def _strayed(finger: Memory, sighting: Sighting) -> bool:
-    return _distance(finger, sighting) > STRAYED_PX
+    return replace(
+        finger, sighting=sighting, votes=votes, direction=direction, off_px=off_px, astray=astray
+    )
 
 
 def _vote(side: Side) -> int:

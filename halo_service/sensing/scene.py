@@ -27,6 +27,9 @@ from halo_service.values import Fingertip, Frame
 LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
 """A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
 does not is surface."""
+DOUBTED_PX = 12.0
+"""A path this far from where the tracker saw the finger is held against it (chosen: the tracker is
+seldom farther off, and a neighbour's middle is 18 px away)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +82,7 @@ def find(finger: Memory, number: int, scene: Scene, states: TouchStates) -> Foun
     expected, claimed = scene.places[number], scene.claims[number]
     own = territory(scene.revealed, scene.shares, number, expected)
     tip = _tip(finger, expected, own, scene, states)
-    if claimed is not None and (tip is None or finger.astray):
+    if claimed is not None and (tip is None or finger.off_px > DOUBTED_PX):
         there = territory(scene.revealed, scene.shares, number, claimed)
         seen = _tip(finger, claimed, there, scene, states)
         if seen is not None and is_better(finger, seen, tip):

@@ -104,6 +104,22 @@ def test_a_stroke_is_one_touch_however_fast(
     assert told[-1].pointers[0].diagnostics.tip_px[0] == pytest.approx(xs[-1], abs=2.0)
 
 
+@pytest.mark.parametrize("beside_px", [20.0, 26.0])
+def test_a_finger_drawn_to_its_neighbour_goes_back_where_the_tracker_sees_it_lower(
+    dented: Profile, draw: Draw, see: See, beside_px: float
+) -> None:
+    beside = (MIDDLE[0] + beside_px, MIDDLE[1])
+    state, xs = start(dented, SensingSettings()), []
+    for n in range(8):
+        time_us = n * FRAME_US
+        low, high = draw(MIDDLE, 0.0, 5.0, time_us), draw(beside, 0.0, 30.0, time_us)
+        both = replace(low, depth=np.minimum(low.depth, high.depth))
+        seen, state = step(state, both, see(beside if n < 3 else MIDDLE, time_us))
+        xs.append(seen.pointers[0].diagnostics.tip_px[0])
+    assert xs[2] == pytest.approx(beside[0], abs=3.0)
+    assert xs[5:] == pytest.approx([MIDDLE[0]] * 3, abs=3.0)
+
+
 @pytest.mark.parametrize("share", [0.005, 0.03])
 def test_dropped_frames_cost_no_tap(play: Play, see: See, share: float) -> None:
     dents = (9, 9, 9, 12, 12, 12) * 30 + (9, 9, 9)

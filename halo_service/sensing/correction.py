@@ -3,7 +3,8 @@
 The paper (4.3.4) predicts the expected touch signal from tip position, pitch and yaw with a
 gradient-boosted regressor. The calibration evaluates that regressor on a grid; here the grid is
 interpolated, and the signal divided by the strength expected where the finger is. The dent has
-curves of its own: what hides the patch's sum hides nothing of it.
+curves of its own: what hides part of the patch takes from the sum, and leaves the dent's depth as
+it is, as long as enough of it shows.
 """
 
 from __future__ import annotations

@@ -129,8 +129,8 @@ class Signal:
     """How deep the surface seems dented under the fingertip, as it would be at the place of the
     calibration, mm; nan where it is hidden."""
     pressed_mm: float
-    """The same as it would be at the calibration's pitch too, for a finger that touches: in the air
-    a pitch reads otherwise."""
+    """The same as it would be at the calibration's pitch too, mm. It tells touch and force, though
+    its curve over the pitch is that of fingers that touch: in the air a pitch reads otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +157,9 @@ class Diagnostics:
     top_mm: float
     pitch_deg: float
     yaw_deg: float
+    dent_mm: float = math.nan
+    pressed_mm: float = math.nan
+    """As in `Signal`; nan where the dent is hidden, and of methods that read none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """From sweeps to how deep a touch's dent is over place and pitch. Pure.
 
-The dent is smooth, and its depth tells the force: one per cent of it is twenty grams. A regressor's
-steps are larger than that, so smooth curves are fitted: over the place from the user's own sweep,
-over the pitch, of which the wedge teaches one alone, from the base model.
+The dent is smooth, and its depth tells touch and force: one per cent of it is twenty grams. A
+regressor's steps are larger than that, so smooth curves are fitted: over the place from the user's
+own sweep, over the pitch, of which the wedge teaches one alone, from the base model.
 """
 
 from __future__ import annotations

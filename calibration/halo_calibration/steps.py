@@ -25,9 +25,9 @@ from halo_calibration.sweep import (
     covered,
     judge_sweep,
 )
-from halo_calibration.touch import Held, Stated, corrected, solve_touch
+from halo_calibration.touch import Held, Stated, corrected, dents_known, solve_touch
 from halo_service.geometry.camera import Camera
-from halo_service.profile import Profile, StepRecord
+from halo_service.profile import Profile, StepRecord, TouchStates
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Frame, Side
 
@@ -46,6 +46,11 @@ FAIR_RESIDUAL_MM, FAIR_LEFT_OUT = 3.0, 0.25
 """Beyond these the plane is told as fair: the sensor's own unevenness is 1 to 2 mm."""
 FAIR_CORRECTED = 0.15
 """A corrected touch that varies more over the sweep is told as fair."""
+NO_DENTS = (
+    "the dent under the fingertip was hidden or hardly deeper in one state than in the one before, "
+    "so touch and force are read off the halo's strength and height off the finger's own depth"
+)
+"""Said of the four states."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +146,7 @@ def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
                 separation_sigmas=apart,
                 **{f"{name}_mm_px": getattr(states, name).raw for name in helds},
             ),
-            _stated_note(setup.stated),
+            _touch_note(setup.stated, states),
         )
         return replace(
             known, touch=everyone, by_hand=by_hand, steps={**known.steps, "touch": record}
@@ -259,12 +264,13 @@ def _surface_record(setup: Setup, plane: Plane) -> StepRecord:
     )
 
 
-def _stated_note(stated: Stated) -> str:
+def _touch_note(stated: Stated, states: TouchStates) -> str:
     heights = stated.of("hover")[2] and stated.of("subtle")[2]
     force = stated.of("pressure")[2]
     parts = [
         "" if heights else "heights are assumed (10 and 1 mm)",
         "" if force else "the press's force is unknown, so no grams are told",
+        "" if dents_known(states) else NO_DENTS,
     ]
     return "; ".join(part for part in parts if part)
 

@@ -35,6 +35,9 @@ GOOD_SIGMAS = 6.0
 """From here on they are told apart in every frame."""
 NOISE_FLOOR_MM_PX = 10.0
 """No signal is steadier than a pixel that comes and goes at the patch's edge."""
+DENT_FLOOR_MM = 0.2
+"""No dent is steadier than this from frame to frame (chosen: held on a drawn table, one varies by
+0.2 to 0.5 mm)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +101,7 @@ def judge_held(held: Held) -> Middle:
             f"the finger moved by {spread_mm:.0f} mm during '{held.state}': rest the wrist, hold "
             f"still for {HOLD_S:.0f} seconds, and do this state again"
         )
-    raw = np.array([each.raw for each in held.seen])
-    median = float(np.median(raw))
-    noise = 1.4826 * float(np.median(np.abs(raw - median)))
-    return Middle(median, max(noise, NOISE_FLOOR_MM_PX), spread_mm)
+    return Middle(*_reading([each.raw for each in held.seen], NOISE_FLOOR_MM_PX), spread_mm)
 
 
 def require_frames(step: str, wanted: int, came: int) -> None:
@@ -129,22 +129,33 @@ def solve_touch(
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
     Raises `Refused`: a state moved, two overlap or are swapped, or the surface shows no halo.
+    Judged by the halo's signal. Where the dents tell the states apart less well they are left
+    unknown in all four, so that the signal is read in their stead; the quality is then fair.
     """
     middles = {state: judge_held(helds[state]) for state in STATES}
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
         raise Refused(NO_HALO)
     apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
+    dents_mm = _dents(helds)
     hover_mm = stated.of("hover")[0]
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
     seen = helds["hover"].seen
     states = TouchStates(
-        **{state: _held_state(helds[state], middles[state], stated) for state in STATES},
+        **{
+            state: _held_state(helds[state], middles[state], dents_mm[state], stated)
+            for state in STATES
+        },
         line_px_at_hover=float(np.median([each.line_px for each in seen])),
         finger_thickness_mm=_finite([each.top_mm - hover_mm for each in seen], THICKNESS_MM),
         tip_radius_mm=_finite([each.width_mm / 2.0 for each in seen], TIP_RADIUS_MM),
     )
-    quality: Quality = "good" if apart >= GOOD_SIGMAS else "fair"
+    quality: Quality = "good" if apart >= GOOD_SIGMAS and dents_known(states) else "fair"
     return corrected(states, correction), apart, quality
+
+
+def dents_known(states: TouchStates) -> bool:
+    """Say whether touch, force and height are read off the dent; else they are without it."""
+    return states.pressure.deep_raw_mm > 0.0
 
 
 def corrected(states: TouchStates, correction: Correction | None) -> TouchStates:
@@ -166,9 +177,8 @@ def _through(held: HeldState, correction: Correction | None) -> HeldState:
     return replace(held, signal=held.raw / expected, deep_mm=held.deep_raw_mm / deep)
 
 
-def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
+def _held_state(held: Held, middle: Middle, deep_mm: float, stated: Stated) -> HeldState:
     height_mm, force_g, given = stated.of(held.state)
-    deep_mm = _finite([each.dent_mm for each in held.seen], 0.0)
     return HeldState(
         signal=middle.signal,
         height_mm=height_mm,
@@ -184,11 +194,25 @@ def _held_state(held: Held, middle: Middle, stated: Stated) -> HeldState:
     )
 
 
+def _dents(helds: Mapping[str, Held]) -> dict[str, float]:
+    """Return the dent's median depth in each state, mm; 0, unknown, in all of them where one state
+    hid it too often, or where two are not as far apart, in order, as signals must be.
+    """
+    read: dict[str, tuple[float, float]] = {}
+    for state in STATES:
+        shown = [each.dent_mm for each in helds[state].seen if math.isfinite(each.dent_mm)]
+        if len(shown) < LEAST_SEEN * helds[state].came:
+            return dict.fromkeys(STATES, 0.0)
+        read[state] = _reading(shown, DENT_FLOOR_MM)
+    if min(_sigmas(read[low], read[high]) for low, high in pairwise(STATES)) < APART_SIGMAS:
+        return dict.fromkeys(STATES, 0.0)
+    return {state: median for state, (median, _) in read.items()}
+
+
 def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
     """Return the distance of two neighbouring states in standard deviations."""
     a, b = middles[low], middles[high]
-    noise = math.hypot(a.noise, b.noise) / math.sqrt(2.0)
-    sigmas = (b.signal - a.signal) / noise
+    sigmas = _sigmas((a.signal, a.noise), (b.signal, b.noise))
     told = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
     if sigmas < -APART_SIGMAS:
         raise Refused(
@@ -206,6 +230,17 @@ _REMEDIES = {
     "touch": "keep clear of the surface in 'subtle', and lay the fingertip down in 'touch'",
     "pressure": "let the finger rest in 'touch', and press down firmly in 'pressure'",
 }
+
+
+def _reading(values: Sequence[float], floor: float) -> tuple[float, float]:
+    """Return the median and the standard deviation, robust and no smaller than `floor`."""
+    median = _median(values)
+    return median, max(1.4826 * _median([abs(value - median) for value in values]), floor)
+
+
+def _sigmas(low: tuple[float, float], high: tuple[float, float]) -> float:
+    """Return how far one median lies above another, in standard deviations of one frame."""
+    return (high[0] - low[0]) / (math.hypot(low[1], high[1]) / math.sqrt(2.0))
 
 
 def _finite(values: Sequence[float], otherwise: float) -> float:

@@ -120,4 +120,5 @@ def _state(held: HeldState) -> str:
         what = f"with {held.force_g:g} g ({known})"
     else:
         what = "with unknown force"
-    return f"{held.signal:.0f} mm px {what}"
+    dent = f", dent {held.deep_mm:.1f} mm," if held.deep_mm > 0.0 else ""
+    return f"{held.signal:.0f} mm px{dent} {what}"

@@ -164,6 +164,8 @@ def describe(
             top_mm=tip.top_mm,
             pitch_deg=tip.pitch_deg,
             yaw_deg=tip.yaw_deg,
+            dent_mm=signal.dent_mm,
+            pressed_mm=signal.pressed_mm,
         ),
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,12 @@ import pytest
 from halo_service.app.cli import main
 from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
+from halo_service.outputs.jsonl import frame_line
 from halo_service.outputs.recorder import Recorder
+from halo_service.profile import Profile
 from halo_service.profile.store import save
+from halo_service.sensing.pointers import describe
+from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchFrame
 from halo_service.virtual.camera import factory
 from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import frames
@@ -58,6 +63,31 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
     ]
     # The virtual sensor's truth against what was sensed of it: a first sight, not the bench.
     assert len(contacts) * 0.5 <= len(downs) <= len(contacts) * 1.5
+
+
+DIAGNOSTICS = (
+    "camera_mm", "tip_px", "halo", "halo_corrected", "level", "top_mm", "pitch_deg", "yaw_deg",
+    "dent_mm", "pressed_mm",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("read", "written"), [((9.5, 9.123456), [9.5, 9.1235]), ((math.nan, math.nan), [None, None])]
+)
+def test_a_line_tells_what_told_a_touch_and_null_where_the_dent_was_hidden(
+    profile: Profile, read: tuple[float, float], written: list[float | None]
+) -> None:
+    assert profile.touch is not None
+    tip = Fingertip(
+        Side.RIGHT, Finger.INDEX, (320, 288), (320, 313), (150, 100), (0, 0, 500), 14, 45, 0, 1
+    )
+    signal, contact = Signal(900.0, 800.0, *read), Contact(True, 1, 0)
+    pointer = describe(1, 0, tip, signal, 0.5, contact, profile.touch)
+    line = json.loads(frame_line(TouchFrame(0, "desk", 300.0, 200.0, (pointer,)), "n", "s", 0))
+    told = line["pointers"][0]["diagnostics"]
+    assert tuple(told) == DIAGNOSTICS
+    assert [told["halo"], told["halo_corrected"], told["level"]] == [900.0, 800.0, 0.5]
+    assert [told["dent_mm"], told["pressed_mm"]] == written
 
 
 @pytest.mark.slow

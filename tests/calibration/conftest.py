@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -25,7 +26,11 @@ Hold = Callable[..., Held]
 
 @pytest.fixture(scope="session")
 def hold() -> Hold:
-    """A held state: `raw` mm px with some noise, all 60 frames, unless told otherwise."""
+    """A held state: `raw` mm px with some noise, all 60 frames, unless told otherwise.
+
+    Its dent is a 200th of the signal, or `dent_mm` and to and fro by `sways_mm`, and not seen in
+    the first `hidden` frames.
+    """
 
     def held(
         state: str,
@@ -35,7 +40,11 @@ def hold() -> Hold:
         came: int = 60,
         seen: int | None = None,
         moved_mm: float = 0.0,
+        dent_mm: float | None = None,
+        sways_mm: float = 0.0,
+        hidden: int = 0,
     ) -> Held:
+        deep_mm = raw / 200.0 if dent_mm is None else dent_mm
         rng = np.random.default_rng(len(state))
         count = came if seen is None else seen
         observations = tuple(
@@ -50,7 +59,7 @@ def hold() -> Hold:
                 max(raw + rng.normal(0.0, noise), 0.0),
                 0.0,
                 5,
-                raw / 200.0,
+                math.nan if n < hidden else deep_mm + sways_mm * (-1) ** n,
                 13.0,
             )
             for n in range(count)

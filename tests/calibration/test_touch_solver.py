@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from halo_calibration.errors import NO_HALO, Refused
-from halo_calibration.touch import STATES, Held, Stated, solve_touch
+from halo_calibration.steps import NO_DENTS, Setup, touch_change
+from halo_calibration.touch import STATES, Held, Stated, corrected, solve_touch
+from halo_service.profile import Correction, Profile, TouchStates
 
 Hold = Callable[..., Held]
 RAW = {"hover": 300.0, "subtle": 1500.0, "touch": 2200.0, "pressure": 2800.0}
@@ -68,3 +71,60 @@ def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:
 def test_states_that_are_only_just_apart_are_fair(hold: Hold) -> None:
     helds = all_of(hold, pressure=hold("pressure", 2600.0, noise=100.0))
     assert solve_touch(helds, Stated(), None)[2] == "fair"
+
+
+def dents(states: TouchStates) -> list[float]:
+    return [getattr(states, name).deep_mm for name in STATES]
+
+
+UNTOLD = {
+    "alike": ("touch", {"dent_mm": 7.55}),
+    "swapped": ("subtle", {"dent_mm": 12.0}),
+    "hidden in most frames": ("hover", {"hidden": 31}),
+    "hidden": ("pressure", {"hidden": 60}),
+    "unsteady": ("pressure", {"dent_mm": 11.8, "sways_mm": 0.5}),
+}
+
+
+@pytest.mark.parametrize(("state", "how"), UNTOLD.values(), ids=UNTOLD.keys())
+def test_dents_that_do_not_tell_the_states_apart_are_unknown_in_all_four_and_refuse_nobody(
+    hold: Hold, profile: Profile, state: str, how: dict[str, float]
+) -> None:
+    helds = all_of(hold, **{state: hold(state, RAW[state], **how)})
+    states, apart, quality = solve_touch(helds, Stated(), None)
+    assert dents(states) == [0.0] * 4
+    assert states.touch.signal == pytest.approx(2200.0, abs=10.0)
+    assert apart > 6.0
+    assert quality == "fair"
+    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), helds)(profile)
+    assert after.steps["touch"].note.endswith(NO_DENTS)
+
+
+def test_unknown_dents_stay_unknown_when_a_sweep_comes(hold: Hold) -> None:
+    states, _, _ = solve_touch(
+        all_of(hold, touch=hold("touch", 2200.0, dent_mm=7.5)), Stated(), None
+    )
+    ends = np.array([0.0, 300.0], np.float32)
+    flat = np.ones((2, 2, 2, 2), np.float32)
+    correction = Correction(
+        ends, ends, ends, ends, flat, np.empty((0, 6), np.float32), "", 0.5 * flat[0, 0]
+    )
+    assert dents(corrected(states, correction)) == [0.0] * 4
+
+
+TOLD = {
+    "four times as far apart as they vary": {"dent_mm": 11.8},
+    "seen in every other frame": {"hidden": 30},
+}
+
+
+@pytest.mark.parametrize("how", TOLD.values(), ids=TOLD.keys())
+def test_dents_that_tell_the_states_apart_are_kept_without_a_word(
+    hold: Hold, profile: Profile, how: dict[str, float]
+) -> None:
+    helds = all_of(hold, pressure=hold("pressure", RAW["pressure"], **how))
+    states, _, quality = solve_touch(helds, Stated(), None)
+    assert dents(states) == [1.5, 7.5, 11.0, how.get("dent_mm", 14.0)]
+    assert quality == "good"
+    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), helds)(profile)
+    assert NO_DENTS not in after.steps["touch"].note

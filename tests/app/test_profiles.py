@@ -1,0 +1,24 @@
+"""`halo profile show` tells a profile in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from halo_service.app.cli import main
+from halo_service.profile import Profile
+from halo_service.profile.store import save
+
+
+def test_each_state_is_shown_with_its_dent_where_it_is_known(
+    profile: Profile, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert profile.touch is not None
+    dented = replace(profile.touch.touch, deep_mm=11.04, deep_raw_mm=12.0)
+    save(replace(profile, touch=replace(profile.touch, touch=dented)), tmp_path / "desk")
+    assert main(["profile", "show", str(tmp_path / "desk")]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert "all fingers: touch 2000 mm px, dent 11.0 mm, with 25 g (assumed)" in told
+    assert "all fingers: hover 500 mm px at 10 mm (assumed)" in told

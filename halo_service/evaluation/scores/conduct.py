@@ -136,8 +136,8 @@ def _strange(frames: Sequence[TouchFrame], truth: Truth) -> int:
 def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> tuple[int, int, int]:
     """Return how often a finger had no pointer, of how many times, and how often a new id.
 
-    Of fingers that play: the index fingers, and whichever touches in this take. Nobody asked for
-    pointers of those that merely hang beside.
+    Only fingers that play need a pointer: the index fingers, and whichever touches in this take.
+    Nobody asked for pointers of those that merely hang beside, but whichever has one keeps it.
     """
     unseen = fingers = changes = 0
     plays = {(touch.side, touch.finger) for touch in truth.touches}
@@ -145,18 +145,14 @@ def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> t
     ids: dict[tuple[Side, Finger], int] = {}
     for frame in frames:
         true = truth.at(frame.time_us)
-        present = [
-            f
-            for f in (true.fingers if true else ())
-            if (f.side, f.finger) in plays and _low(f, surface)
-        ]
-        ids = {who: id_ for who, id_ in ids.items() if who in {(f.side, f.finger) for f in present}}
-        fingers += len(present)
-        unseen += len(present)
+        present = {(f.side, f.finger) for f in (true.fingers if true else ()) if _low(f, surface)}
+        ids = {who: id_ for who, id_ in ids.items() if who in present}
+        fingers += len(present & plays)
+        unseen += len(present & plays)
         for finger, pointer in pairs(frame, true):
             who = (finger.side, finger.finger)
-            if finger in present:
-                unseen -= 1
+            if who in present:
+                unseen -= who in plays
                 changes += ids.get(who, pointer.id) != pointer.id
                 ids[who] = pointer.id
     return unseen, fingers, changes

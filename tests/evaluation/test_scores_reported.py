@@ -199,6 +199,19 @@ def test_beside_what_was_told_wrongly_stands_what_was_missed_and_how_much_else_i
     assert line_of("right touches told surely", [result(empty())]) == NOT_MEASURED
 
 
+def test_a_low_finger_without_a_pointer_is_told_of_every_task_but_of_who_tells_touches_alone():
+    results = [
+        result(empty(conduct=Conduct(pointers=90, unseen=10, fingers=100, aloft=80))),
+        result(empty(conduct=Conduct(pointers=10, unseen=90, fingers=100)), "chaos"),
+    ]
+    assert line_of("low fingers that play", results) == "50.0 %"
+    assert line_of("low fingers that play", results[1:]) == NOT_MEASURED
+    silent = result(empty(conduct=Conduct(unseen=100, fingers=100)))
+    assert line_of("low fingers that play", [silent]) == "100.0 %"
+    nobody = result(empty(conduct=Conduct(pointers=5, aloft=5)))
+    assert line_of("low fingers that play", [nobody]) == NOT_MEASURED
+
+
 def test_a_session_without_truth_tells_nothing_of_sureness():
     script = [{"step": "target", "from_s": 0.5, "to_s": 1.5, "target_mm": [100.0, 100.0]}]
     scores = score_asked(told_frames(60, {20: [down(x_mm=115.0)]}), script, SURFACE)

@@ -11,7 +11,7 @@ from halo_service.evaluation.scores.followed import NEAR_MM, pairs
 from halo_service.evaluation.scores.touches import Down, Touches, published
 from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, TrueTouch, Truth
 from halo_service.geometry.surface import Surface
-from halo_service.values import Finger, Side, TouchFrame
+from halo_service.values import Finger, Side, Touch, TouchFrame
 
 STUCK_US = 250_000
 """Chosen: a touch told this much longer than it lasted sticks."""
@@ -41,6 +41,8 @@ class Conduct:
     """Playing fingers low over the surface that had no pointer, counted once a frame."""
     fingers: int = 0
     """Playing fingers low over the surface in all frames: what `unseen` is a share of."""
+    aloft: int = 0
+    """Of `pointers`, those in the air: who tells touches alone has none."""
 
     def __add__(self, other: Conduct) -> Conduct:
         """Both takes together."""
@@ -63,6 +65,7 @@ def score_conduct(
         sum(len(frame.pointers) for frame in frames),
         unseen,
         fingers,
+        sum(each.state is Touch.HOVER for frame in frames for each in frame.pointers),
     )
 
 

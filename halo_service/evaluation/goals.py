@@ -31,6 +31,7 @@ from halo_service.evaluation.measures import (
     strike_speed,
     stuck_and_renamed,
     velocity,
+    without_pointer,
     worst_family,
     wrong_keys,
     wrong_surely,
@@ -152,4 +153,5 @@ GOALS = (
     Goal("right touches told surely: pointing / hard to see", "not told", "none", right_surely),
     Goal("every finger of two hands: F1", "one finger", "none", all_fingers),
     Goal("touches that stick / ids that change", "not told", "0 / 0", stuck_and_renamed),
+    Goal("low fingers that play, without a pointer", "not told", "none", without_pointer),
 )

@@ -11,6 +11,7 @@ from typing import Any
 from halo_service.errors import UserError
 from halo_service.evaluation.calibrated import profile_hash, settings_hash
 from halo_service.evaluation.kept import Line
+from halo_service.evaluation.pick import RECORDING
 from halo_service.evaluation.result import Result, Subject
 from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.take import score
@@ -21,9 +22,6 @@ from halo_service.runtime.method import Method
 from halo_service.sensing import SensingSettings
 from halo_service.sources import Source
 from halo_service.values import TouchFrame
-
-RECORDING = "recording"
-"""The task of a take of which only the truth is known."""
 
 
 def judged(

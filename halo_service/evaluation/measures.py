@@ -12,6 +12,7 @@ import numpy as np
 
 from halo_service.evaluation import pick
 from halo_service.evaluation.result import Result
+from halo_service.evaluation.scores.conduct import Conduct
 from halo_service.evaluation.scores.keys import Keys
 from halo_service.evaluation.scores.motion import Speed, rank_correlation, relative_error
 from halo_service.evaluation.scores.spatial import as_the_paper, from_target, from_truth, spatial
@@ -258,6 +259,14 @@ def stuck_and_renamed(results: Sequence[Result]) -> Measured | None:
     stuck = sum(part.conduct.stuck for part in parts)
     changes = sum(part.conduct.id_changes for part in parts)
     return Measured(f"{stuck} / {changes}", stuck == 0 and changes == 0)
+
+
+def without_pointer(results: Sequence[Result]) -> Measured | None:
+    """Low fingers that play and had no pointer; of who tells touches alone there is no figure."""
+    conduct = sum((r.scores.conduct for r in results if r.scores), Conduct())
+    if not conduct.fingers or (conduct.pointers and not conduct.aloft):
+        return None
+    return Measured(f"{100 * conduct.unseen / conduct.fingers:.1f} %")
 
 
 def not_calibrated(results: Sequence[Result]) -> Measured | None:

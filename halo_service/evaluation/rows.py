@@ -11,11 +11,11 @@ import numpy as np
 from halo_service.evaluation.result import Result
 from halo_service.evaluation.scores.awkward import STEPS, Awkward, by_value
 from halo_service.evaluation.scores.levels import Trial
-from halo_service.evaluation.scores.motion import relative_error
-from halo_service.evaluation.scores.spatial import from_truth, spatial
+from halo_service.evaluation.scores.motion import Speed, rank_correlation, relative_error
+from halo_service.evaluation.scores.spatial import as_the_paper, from_target, from_truth, spatial
 from halo_service.evaluation.scores.sureness import Sureness, score_sureness
 from halo_service.evaluation.scores.take import Scores
-from halo_service.evaluation.scores.threshold import told_by_lift
+from halo_service.evaluation.scores.threshold import threshold_mm, told_by_lift
 from halo_service.evaluation.scores.timing import median_late
 
 COLUMNS = (
@@ -47,12 +47,16 @@ def figures(scores: Scores) -> Iterator[Figure]:
     yield from _sureness(scores.sureness)
     yield from _spatial(scores)
     yield from _timing(scores)
-    yield "strike_error_share", relative_error(scores.strikes)
-    yield "velocity_error_share", relative_error(scores.velocities)
+    yield from _speeds("strike", scores.strikes)
+    yield from _speeds("velocity", scores.velocities)
     yield from _conduct(scores)
     yield from _levels(scores.trials)
-    yield "hover_jump_p99_mm", _percentile([jump.jump_mm for jump in scores.jumps], 99.0)
-    for lift, share in told_by_lift(scores.retaps).items():
+    jumps = [jump.jump_mm for jump in scores.jumps]
+    yield "hover_jump_p99_mm", _percentile(jumps, 99.0)
+    yield "hover_jump_largest_mm", max(jumps, default=None)
+    shares = told_by_lift(scores.retaps)
+    yield "least_lift_mm", threshold_mm(shares)
+    for lift, share in shares.items():
         yield f"retaps_told_share_{lift:g}_mm", share
     yield from _awkward(scores.awkward)
     yield from _typing(scores)
@@ -110,6 +114,13 @@ def _spatial(scores: Scores) -> Iterator[Figure]:
         yield "spatial_p95_mm", off.p95_mm
         yield "spatial_bias_x_mm", off.bias_mm[0]
         yield "spatial_bias_y_mm", off.bias_mm[1]
+        yield "spatial_ellipse_long_mm", 2.0 * off.ellipse.major_mm
+        yield "spatial_ellipse_short_mm", 2.0 * off.ellipse.minor_mm
+    errors = from_target(scores.touches.hits)
+    reduced = spatial(as_the_paper(errors))
+    if reduced is not None:
+        yield "spatial_as_the_paper_mm", reduced.mean_mm
+        yield "spatial_common_offset_mm", float(np.hypot(*errors.mean(axis=0)))
 
 
 def _timing(scores: Scores) -> Iterator[Figure]:
@@ -117,9 +128,15 @@ def _timing(scores: Scores) -> Iterator[Figure]:
     late_ms, late_frames = median_late(timing) or (None, None)
     yield "down_frames_median", late_frames
     yield "down_ms_median", late_ms
+    yield "down_ms_p95", _percentile([each.late_ms for each in timing], 95.0)
     yield "down_before_contact_share", _mean(each.early for each in timing)
     yield "down_ago_error_ms_median", _percentile([abs(t.down_ago_error_ms) for t in timing])
     yield "up_ms_median", _percentile([t.up_ms for t in timing if t.up_ms is not None])
+
+
+def _speeds(what: str, speeds: Sequence[Speed]) -> Iterator[Figure]:
+    yield f"{what}_error_share", relative_error(speeds)
+    yield f"{what}_rank_correlation", rank_correlation(speeds)
 
 
 def _conduct(scores: Scores) -> Iterator[Figure]:
@@ -138,8 +155,9 @@ def _levels(trials: Sequence[Trial]) -> Iterator[Figure]:
         yield f"{kind}_bias_{unit}", _mean(trial.bias for trial in mine)
         yield f"{kind}_unseen_share", _mean(trial.unseen for trial in mine)
         for level in sorted({trial.level for trial in mine}):
-            errors = (trial.error for trial in mine if trial.level == level)
-            yield f"{kind}_error_{unit}_at_{level:g}_{level_unit}", _mean(errors)
+            held, at = [t for t in mine if t.level == level], f"at_{level:g}_{level_unit}"
+            yield f"{kind}_error_{unit}_{at}", _mean(trial.error for trial in held)
+            yield f"{kind}_bias_{unit}_{at}", _mean(trial.bias for trial in held)
 
 
 def _typing(scores: Scores) -> Iterator[Figure]:
@@ -148,10 +166,14 @@ def _typing(scores: Scores) -> Iterator[Figure]:
         yield "keys_wrong", scores.keys.wrong
         yield "keys_missed", scores.keys.missed
         yield "keys_doubled", scores.keys.doubled
-    yield "wpm", _mean(phrase.typed.wpm for phrase in scores.phrases)
-    yield "awpm", _mean(phrase.typed.awpm for phrase in scores.phrases)
-    yield "uncorrected_share", _mean(phrase.typed.uncorrected_rate for phrase in scores.phrases)
-    yield "corrected_share", _mean(phrase.typed.corrected_rate for phrase in scores.phrases)
+    typed = [phrase.typed for phrase in scores.phrases]
+    perfect = [phrase.perfect for phrase in scores.phrases]
+    yield "wpm", _mean(each.wpm for each in typed)
+    yield "awpm", _mean(each.awpm for each in typed)
+    yield "perfect_awpm", _mean(each.awpm for each in perfect)
+    yield "uncorrected_share", _mean(each.uncorrected_rate for each in typed)
+    yield "perfect_uncorrected_share", _mean(each.uncorrected_rate for each in perfect)
+    yield "corrected_share", _mean(each.corrected_rate for each in typed)
 
 
 def _mean(values: Iterable[float]) -> float | None:

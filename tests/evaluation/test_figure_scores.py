@@ -286,6 +286,23 @@ def test_a_finger_that_stays_keeps_its_id():
     assert conduct_of(truth_frames(COUNT, left), pointers=renamed).id_changes == 0
 
 
+def test_pointers_in_the_air_are_told_apart_from_those_that_touch():
+    told = {k: [pointer(state=Touch.TOUCH if k < 10 else Touch.HOVER)] for k in range(COUNT)}
+    conduct = conduct_of(truth_frames(COUNT), pointers=told)
+    assert (conduct.pointers, conduct.aloft) == (COUNT, COUNT - 10)
+
+
+def test_a_finger_that_merely_hangs_beside_keeps_its_id_too():
+    """Two open hands: whichever finger has a pointer, be it to touch or not."""
+    fingers = everywhere([finger(100.0), finger(140.0, finger="ring")])
+    told = {
+        k: [pointer(1), pointer(2 if k < 10 else 3, 140.0, finger=Finger.RING)]
+        for k in range(COUNT)
+    }
+    conduct = conduct_of(truth_frames(COUNT, fingers), pointers=told)
+    assert (conduct.id_changes, conduct.unseen, conduct.fingers) == (1, 0, COUNT)
+
+
 def test_neighbours_do_not_take_each_others_pointers():
     fingers = everywhere([finger(100.0), finger(118.0, finger="middle")])
     told = everywhere([pointer(1, 100.0), pointer(2, 118.0, finger=Finger.MIDDLE)])

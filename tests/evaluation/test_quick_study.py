@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from halo_service.evaluation.matrix import QUICK_USERS
 from halo_service.evaluation.rivals import METHODS
 
 pytestmark = pytest.mark.long
@@ -40,7 +41,9 @@ class Study:
 
     def count(self, method: str, figure: str) -> int:
         """Return a count over everybody's pointing."""
-        return int(sum(self.of(method, figure, "pointing-20")))
+        values = self.of(method, figure, "pointing-20")
+        assert len(values) == len(QUICK_USERS), f"{method} has no {figure} of everybody"
+        return int(sum(values))
 
     def f1(self, method: str) -> float:
         """Return F1 over everybody's pointing."""

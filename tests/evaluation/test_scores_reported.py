@@ -1,8 +1,10 @@
 """Tables and page: who falls short is told so, and so is what nobody measured."""
 
 import xml.etree.ElementTree as ElementTree
+from csv import DictReader
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import StringIO
 
 import numpy as np
 import pytest
@@ -12,17 +14,21 @@ from halo_service.evaluation.brief import brief
 from halo_service.evaluation.goals import GOALS, NOT_MEASURED, PASS, SHORT, goal_table
 from halo_service.evaluation.report.page import page
 from halo_service.evaluation.result import Result, Subject
-from halo_service.evaluation.rows import figures
+from halo_service.evaluation.rows import figures, write
 from halo_service.evaluation.scores.asked import score_asked
 from halo_service.evaluation.scores.conduct import Conduct
-from halo_service.evaluation.scores.keys import Keys
-from halo_service.evaluation.scores.levels import Trial
+from halo_service.evaluation.scores.keys import Keys, Phrase
+from halo_service.evaluation.scores.levels import Jump, Trial
+from halo_service.evaluation.scores.motion import Speed
 from halo_service.evaluation.scores.sureness import Sureness
 from halo_service.evaluation.scores.take import score
 from halo_service.evaluation.scores.threshold import Retap
+from halo_service.evaluation.scores.touches import pooled
 from halo_service.evaluation.table import Table, as_markdown, as_text
+from halo_type.metrics import Typed
 from tests.evaluation.scored import (
     SURFACE,
+    at,
     contact,
     down,
     finger,
@@ -199,6 +205,19 @@ def test_beside_what_was_told_wrongly_stands_what_was_missed_and_how_much_else_i
     assert line_of("right touches told surely", [result(empty())]) == NOT_MEASURED
 
 
+def test_a_low_finger_without_a_pointer_is_told_of_every_task_but_of_who_tells_touches_alone():
+    results = [
+        result(empty(conduct=Conduct(pointers=90, unseen=10, fingers=100, aloft=80))),
+        result(empty(conduct=Conduct(pointers=10, unseen=90, fingers=100)), "chaos"),
+    ]
+    assert line_of("low fingers that play", results) == "50.0 %"
+    assert line_of("low fingers that play", results[1:]) == NOT_MEASURED
+    silent = result(empty(conduct=Conduct(unseen=100, fingers=100)))
+    assert line_of("low fingers that play", [silent]) == "100.0 %"
+    nobody = result(empty(conduct=Conduct(pointers=5, aloft=5)))
+    assert line_of("low fingers that play", [nobody]) == NOT_MEASURED
+
+
 def test_a_session_without_truth_tells_nothing_of_sureness():
     script = [{"step": "target", "from_s": 0.5, "to_s": 1.5, "target_mm": [100.0, 100.0]}]
     scores = score_asked(told_frames(60, {20: [down(x_mm=115.0)]}), script, SURFACE)
@@ -244,6 +263,54 @@ def test_the_rows_say_how_many_downs_came_before_their_contact():
     assert dict(figures(empty()))["down_before_contact_share"] is None
 
 
+ALL = replace(
+    taps(early=(0, 1, 2, 3)),
+    touches=pooled([taps(off_mm=off_mm).touches for off_mm in (1.0, 3.0)]),
+    strikes=tuple(
+        Speed(told, true, 0.0) for told, true in enumerate((10.0, 20.0, 30.0, 50.0, 40.0))
+    ),
+    velocities=tuple(Speed(told, float(told), 0.0) for told in range(60, 65)),
+    trials=tuple(Trial("hover", level, 1.0, -level, 0.0, 0.0) for level in (1.0, 3.0)),
+    jumps=(Jump(10.0, 0.0), Jump(10.0, 4.0)),
+    retaps=tuple(Retap(lift, told) for lift, told in ((1.0, False), (2.0, True))),
+    phrases=(Phrase("table", Typed(20.0, 3, 1, 0), Typed(20.0, 4, 1, 0)),),
+)
+"""Two places, 1 and 3 mm from where they were; and something of all else that has a row."""
+ROWS = {
+    "spatial_ellipse_long_mm": 2.0 * np.sqrt(5.991 * 12.0 / 11.0),
+    "spatial_ellipse_short_mm": 0.0,
+    "spatial_as_the_paper_mm": 1.0,
+    "spatial_common_offset_mm": 2.0,
+    "down_ms_p95": (at(5) - at(4.5)) / 1e3,
+    "strike_rank_correlation": 0.9,
+    "velocity_rank_correlation": 1.0,
+    "hover_bias_mm_at_3_mm": -3.0,
+    "hover_jump_largest_mm": 4.0,
+    "least_lift_mm": 2.0,
+    "awpm": 15.0,
+    "perfect_awpm": 16.0,
+    "perfect_uncorrected_share": 0.2,
+}
+
+
+@pytest.mark.parametrize("name, value", ROWS.items(), ids=ROWS.keys())
+def test_what_the_tables_tell_is_in_the_rows_too(name, value):
+    assert dict(figures(ALL))[name] == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["spatial_as_the_paper_mm", "spatial_ellipse_long_mm"])
+def test_a_take_without_a_hit_has_no_row_of_place(name):
+    assert name not in dict(figures(empty()))
+
+
+def test_rows_hold_numbers_alone():
+    out = StringIO()
+    write([result(ALL), result(empty()), result(taps(count=1))], "1.2.3", out)
+    rows = list(DictReader(out.getvalue().splitlines()))
+    assert {"least_lift_mm", "down_ms_p95"} <= {row["figure"] for row in rows}
+    assert np.isfinite([float(row["value"]) for row in rows]).all()
+
+
 @pytest.mark.parametrize("touches, word", [(1888, SHORT), (1920, PASS)])
 def test_doubled_touches_are_allowed_as_often_as_the_goal_says(touches, word):
     """Two of 3840, so one of 1920 and none of fewer."""
@@ -278,6 +345,12 @@ def test_a_breakdown_has_a_row_a_material_and_method_and_the_refused_with_their_
     assert [row[7] for row in touches] == ["0", "1"]
     refused = ("202-foam", "ours", "the states overlap: press harder")
     assert tables["Could not be calibrated"] == (refused,)
+
+
+def test_places_are_told_by_mean_median_and_percentile():
+    (table,) = (t for t in breakdown([result(ALL)]) if t.title == "Touches by material")
+    told = dict(zip(table.head, table.rows[0], strict=True))
+    assert (told["off by, mm"], told["median p95, mm"]) == ("2.0 ± 1.0", "2.0 3.0")
 
 
 def test_levels_are_told_one_by_one_with_their_bias_and_by_noise():

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from halo_service.evaluation import pick
+from halo_service.evaluation.measures import FRAME_MS
 from halo_service.evaluation.report.svg import (
     Panel,
     axes,
@@ -35,7 +36,6 @@ CLOUD_MM = 15.0
 HISTOGRAM_MS = (-40.0, 140.0)
 """What is earlier or later is drawn at the ends."""
 BIN_MS = 5.0
-FRAME_MS = 1000.0 / 30.0
 
 
 def targets(results: Sequence[Result], method: str) -> list[str]:

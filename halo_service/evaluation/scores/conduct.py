@@ -11,7 +11,7 @@ from halo_service.evaluation.scores.followed import NEAR_MM, pairs
 from halo_service.evaluation.scores.touches import Down, Touches, published
 from halo_service.evaluation.scores.truth import TrueFinger, TrueFrame, TrueTouch, Truth
 from halo_service.geometry.surface import Surface
-from halo_service.values import Finger, Side, TouchFrame
+from halo_service.values import Finger, Side, Touch, TouchFrame
 
 STUCK_US = 250_000
 """Chosen: a touch told this much longer than it lasted sticks."""
@@ -41,6 +41,8 @@ class Conduct:
     """Playing fingers low over the surface that had no pointer, counted once a frame."""
     fingers: int = 0
     """Playing fingers low over the surface in all frames: what `unseen` is a share of."""
+    aloft: int = 0
+    """Of `pointers`, those in the air: who tells touches alone has none."""
 
     def __add__(self, other: Conduct) -> Conduct:
         """Both takes together."""
@@ -63,6 +65,7 @@ def score_conduct(
         sum(len(frame.pointers) for frame in frames),
         unseen,
         fingers,
+        sum(each.state is Touch.HOVER for frame in frames for each in frame.pointers),
     )
 
 
@@ -136,8 +139,8 @@ def _strange(frames: Sequence[TouchFrame], truth: Truth) -> int:
 def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> tuple[int, int, int]:
     """Return how often a finger had no pointer, of how many times, and how often a new id.
 
-    Of fingers that play: the index fingers, and whichever touches in this take. Nobody asked for
-    pointers of those that merely hang beside.
+    Only fingers that play need a pointer: the index fingers, and whichever touches in this take.
+    Nobody asked for pointers of those that merely hang beside, but whichever has one keeps it.
     """
     unseen = fingers = changes = 0
     plays = {(touch.side, touch.finger) for touch in truth.touches}
@@ -145,18 +148,14 @@ def _followed(frames: Sequence[TouchFrame], truth: Truth, surface: Surface) -> t
     ids: dict[tuple[Side, Finger], int] = {}
     for frame in frames:
         true = truth.at(frame.time_us)
-        present = [
-            f
-            for f in (true.fingers if true else ())
-            if (f.side, f.finger) in plays and _low(f, surface)
-        ]
-        ids = {who: id_ for who, id_ in ids.items() if who in {(f.side, f.finger) for f in present}}
-        fingers += len(present)
-        unseen += len(present)
+        present = {(f.side, f.finger) for f in (true.fingers if true else ()) if _low(f, surface)}
+        ids = {who: id_ for who, id_ in ids.items() if who in present}
+        fingers += len(present & plays)
+        unseen += len(present & plays)
         for finger, pointer in pairs(frame, true):
             who = (finger.side, finger.finger)
-            if finger in present:
-                unseen -= 1
+            if who in present:
+                unseen -= who in plays
                 changes += ids.get(who, pointer.id) != pointer.id
                 ids[who] = pointer.id
     return unseen, fingers, changes

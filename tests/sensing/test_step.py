@@ -197,7 +197,7 @@ def test_the_same_frames_give_the_same_story(deep: Profile, draw: Draw, see: See
     signals = dents(0, 9, 10, 12, 16, 12, 9, 0)
     once, _ = play(deep, draw, see, signals, late=1)
     again, _ = play(deep, draw, see, signals, late=1)
-    assert once == again
+    assert repr(once) == repr(again)  # nan equals nothing
 
 
 def test_a_new_profile_lets_a_touch_go_with_its_up(

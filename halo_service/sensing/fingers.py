@@ -26,6 +26,8 @@ REMEMBERED = 8
 """Tips kept a finger: the slowest tracker's lag at 30 frames a second."""
 CLAIM_US = 150_000
 """So old may a sighting be that says where a finger is (chosen: a slow tracker's lag)."""
+BESIDE_PX = 12.0
+"""Farther off the tracker's tips are seldom, and a neighbour's middle is 18 px away (chosen)."""
 INSISTS = 4
 """Sightings in a row: the tracker errs singly and, on hands that overlap, in runs (chosen)."""
 MOVED_PX = 5.0
@@ -64,8 +66,8 @@ class Memory:
     """For a right hand less those for a left one, over the last sightings."""
     shown_us: int
     """When the depth last showed it."""
-    off_px: float = 0.0
-    """How far from its path the tracker last saw it."""
+    doubted: int = 0
+    """Sightings in a row that lie beside its path."""
     astray: int = 0
     """Sightings in a row that contradicted its path."""
     pointer: Pointer | None = None
@@ -101,6 +103,15 @@ def claim(finger: Memory, time_us: int) -> Expected | None:
     return Expected(tip, unit(joint, tip), math.nan)
 
 
+def is_there(finger: Memory, claimed: Expected, expected: Expected, seen: Fingertip) -> bool:
+    """Say whether a tip lies where the tracker saw it, as far as the finger moves in a frame.
+
+    What is found farther off, about that place, is a knuckle or another finger.
+    """
+    moves_px = math.dist(expected.tip_px, finger.path[-1].tip_px) if finger.path else 0.0
+    return math.dist(seen.tip_px, claimed.tip_px) < BESIDE_PX + moves_px
+
+
 def is_better(finger: Memory, claimed: Fingertip, followed: Fingertip | None) -> bool:
     """Say whether a finger is where the tracker claims rather than where its path went.
 
@@ -109,7 +120,7 @@ def is_better(finger: Memory, claimed: Fingertip, followed: Fingertip | None) ->
     """
     if followed is None:
         return True
-    lower_mm = LOWER_MM if finger.astray < INSISTS else -LOWER_MM
+    lower_mm = LOWER_MM if finger.doubted < INSISTS else -LOWER_MM
     return claimed.top_mm < followed.top_mm - lower_mm
 
 

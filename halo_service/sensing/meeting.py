@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 
-from halo_service.sensing.fingers import Memory, Past
+from halo_service.sensing.fingers import BESIDE_PX, Memory, Past
 from halo_service.sensing.sightings import Pixel, Sighting
 from halo_service.sensing.straight import unit
 from halo_service.sensing.territory import FINGER_PX
@@ -75,12 +75,13 @@ def _sighted(finger: Memory, sighting: Sighting) -> Memory:
     votes = min(max(finger.votes + _vote(sighting.side), -MOST_VOTES), MOST_VOTES)
     direction, astray = finger.direction, finger.astray + 1
     off_px = _distance(finger, sighting)
+    doubted = finger.doubted + 1 if off_px > BESIDE_PX else 0
     if off_px <= STRAYED_PX:
         new = unit(sighting.distal_px, sighting.tip_px)
         dx, dy = TURN_SHARE * (new[0] - direction[0]), TURN_SHARE * (new[1] - direction[1])
         direction, astray = unit((0.0, 0.0), (direction[0] + dx, direction[1] + dy)), 0
     return replace(
-        finger, sighting=sighting, votes=votes, direction=direction, off_px=off_px, astray=astray
+        finger, sighting=sighting, votes=votes, direction=direction, doubted=doubted, astray=astray
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from halo_service.profile import Profile, TouchStates
 from halo_service.sensing.background import excess_depth
-from halo_service.sensing.fingers import Memory, claim, expect, is_better, sighted
+from halo_service.sensing.fingers import Memory, claim, expect, is_better, is_there, sighted
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.revealer import Revealed, reveal
 from halo_service.sensing.ridge import height_behind
@@ -27,9 +27,6 @@ from halo_service.values import Fingertip, Frame
 LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
 """A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
 does not is surface."""
-DOUBTED_PX = 12.0
-"""A path this far from where the tracker saw the finger is held against it (chosen: the tracker is
-seldom farther off, and a neighbour's middle is 18 px away)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,10 +79,10 @@ def find(finger: Memory, number: int, scene: Scene, states: TouchStates) -> Foun
     expected, claimed = scene.places[number], scene.claims[number]
     own = territory(scene.revealed, scene.shares, number, expected)
     tip = _tip(finger, expected, own, scene, states)
-    if claimed is not None and (tip is None or finger.off_px > DOUBTED_PX):
+    if claimed is not None and (tip is None or finger.doubted):
         there = territory(scene.revealed, scene.shares, number, claimed)
         seen = _tip(finger, claimed, there, scene, states)
-        if seen is not None and is_better(finger, seen, tip):
+        if seen and is_there(finger, claimed, expected, seen) and is_better(finger, seen, tip):
             return Found(seen, there, followed=False)
     if tip is None:
         farther = replace(expected, tip_px=strip_end(own, expected))

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from halo_service.sensing.fingers import Memory, Past, claim, expect
+from halo_service.sensing.fingers import Memory, Past, claim, expect, is_there
 from halo_service.sensing.meeting import meet
 from halo_service.sensing.sightings import Sighting
-from halo_service.values import Finger, Side
+from halo_service.values import Finger, Fingertip, Side
 
 FRAME_US = 33_333
 
@@ -90,6 +90,30 @@ def test_a_sighting_far_off_its_path_contradicts_a_finger(off_px: float, astray:
 def test_an_old_sighting_claims_nothing(age: int, claimed: bool) -> None:
     finger = live(100)[0]
     assert (claim(finger, (10 + age) * FRAME_US) is not None) is claimed
+
+
+@pytest.mark.parametrize(
+    ("speed_px", "off_px", "there"),
+    [(0.0, 10.0, True), (0.0, 15.0, False), (15.0, 20.0, True), (15.0, 30.0, False)],
+    ids=["near", "a knuckle", "ahead, for it moves", "too far ahead"],
+)
+def test_a_tip_far_from_the_trackers_word_is_not_taken_for_it(
+    speed_px: float, off_px: float, there: bool
+) -> None:
+    finger = live(100)[0]
+    finger = replace(
+        finger,
+        path=(*finger.path, Past(11 * FRAME_US, (100.0 + speed_px, 300.0))),
+        sighting=sighting(100.0 + speed_px, 11),
+    )
+    now_us = 12 * FRAME_US
+    claimed, expected = claim(finger, now_us), expect(finger, now_us)
+    assert claimed is not None
+    tip_px = (claimed.tip_px[0] + off_px, 300.0)
+    tip = Fingertip(
+        Side.RIGHT, Finger.INDEX, tip_px, (100.0, 320.0), (0, 0), (0, 0, 500), 14.0, 45.0, 0.0, 1.0
+    )
+    assert is_there(finger, claimed, expected, tip) is there
 
 
 def test_two_pointers_on_one_finger_become_one() -> None:

@@ -105,19 +105,22 @@ def test_a_stroke_is_one_touch_however_fast(
 
 
 @pytest.mark.parametrize("beside_px", [20.0, 26.0])
-def test_a_finger_drawn_to_its_neighbour_goes_back_where_the_tracker_sees_it_lower(
-    dented: Profile, draw: Draw, see: See, beside_px: float
+@pytest.mark.parametrize(
+    ("high_mm", "within"), [(30.0, 2), (5.0, 5)], ids=["that is higher", "as low"]
+)
+def test_a_finger_drawn_to_its_neighbour_goes_back_where_the_tracker_sees_it(
+    dented: Profile, draw: Draw, see: See, beside_px: float, high_mm: float, within: int
 ) -> None:
     beside = (MIDDLE[0] + beside_px, MIDDLE[1])
     state, xs = start(dented, SensingSettings()), []
-    for n in range(8):
+    for n in range(10):
         time_us = n * FRAME_US
-        low, high = draw(MIDDLE, 0.0, 5.0, time_us), draw(beside, 0.0, 30.0, time_us)
-        both = replace(low, depth=np.minimum(low.depth, high.depth))
+        own, other = draw(MIDDLE, 0.0, 5.0, time_us), draw(beside, 0.0, high_mm, time_us)
+        both = replace(own, depth=np.minimum(own.depth, other.depth))
         seen, state = step(state, both, see(beside if n < 3 else MIDDLE, time_us))
         xs.append(seen.pointers[0].diagnostics.tip_px[0])
     assert xs[2] == pytest.approx(beside[0], abs=3.0)
-    assert xs[5:] == pytest.approx([MIDDLE[0]] * 3, abs=3.0)
+    assert xs[2 + within :] == pytest.approx([MIDDLE[0]] * (8 - within), abs=3.0)
 
 
 @pytest.mark.parametrize("share", [0.005, 0.03])

@@ -104,12 +104,18 @@ def claim(finger: Memory, time_us: int) -> Expected | None:
 
 
 def is_there(finger: Memory, claimed: Expected, expected: Expected, seen: Fingertip) -> bool:
-    """Say whether a tip lies where the tracker saw it, as far as the finger moves in a frame.
+    """Say whether a tip lies where the tracker saw it, or as far off as the finger went since.
 
     What is found farther off, about that place, is a knuckle or another finger.
     """
-    moves_px = math.dist(expected.tip_px, finger.path[-1].tip_px) if finger.path else 0.0
-    return math.dist(seen.tip_px, claimed.tip_px) < BESIDE_PX + moves_px
+    then = was_at(finger.path, finger.sighting.time_us) if finger.path else expected
+    went_px = math.dist(expected.tip_px, then.tip_px)
+    return math.dist(seen.tip_px, claimed.tip_px) < BESIDE_PX + went_px
+
+
+def was_at(path: tuple[Past, ...], time_us: int) -> Past:
+    """Return where a finger was at a time, or next to it."""
+    return min(path, key=lambda past: abs(past.time_us - time_us))
 
 
 def is_better(finger: Memory, claimed: Fingertip, followed: Fingertip | None) -> bool:

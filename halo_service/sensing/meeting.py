@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 
-from halo_service.sensing.fingers import BESIDE_PX, Memory, Past
+from halo_service.sensing.fingers import BESIDE_PX, Memory, was_at
 from halo_service.sensing.sightings import Pixel, Sighting
 from halo_service.sensing.straight import unit
 from halo_service.sensing.territory import FINGER_PX
@@ -130,9 +130,5 @@ def _is_on(finger: Memory, place: Pixel) -> bool:
 
 
 def _distance(finger: Memory, sighting: Sighting) -> float:
-    tip = _at(finger.path, sighting.time_us).tip_px if finger.path else finger.sighting.tip_px
+    tip = was_at(finger.path, sighting.time_us).tip_px if finger.path else finger.sighting.tip_px
     return math.dist(tip, sighting.tip_px)
-
-
-def _at(path: tuple[Past, ...], time_us: int) -> Past:
-    return min(path, key=lambda past: abs(past.time_us - time_us))

@@ -93,21 +93,23 @@ def test_an_old_sighting_claims_nothing(age: int, claimed: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed_px", "off_px", "there"),
-    [(0.0, 10.0, True), (0.0, 15.0, False), (15.0, 20.0, True), (15.0, 30.0, False)],
-    ids=["near", "a knuckle", "ahead, for it moves", "too far ahead"],
+    ("speed_px", "late", "off_px", "there"),
+    [
+        (0.0, 1, 10.0, True),
+        (0.0, 1, 15.0, False),
+        (15.0, 1, 20.0, True),
+        (15.0, 1, 30.0, False),
+        (15.0, 3, 50.0, True),
+    ],
+    ids=["near", "a knuckle", "ahead, for it moves", "too far ahead", "of a slow tracker"],
 )
 def test_a_tip_far_from_the_trackers_word_is_not_taken_for_it(
-    speed_px: float, off_px: float, there: bool
+    speed_px: float, late: int, off_px: float, there: bool
 ) -> None:
     finger = live(100)[0]
-    finger = replace(
-        finger,
-        path=(*finger.path, Past(11 * FRAME_US, (100.0 + speed_px, 300.0))),
-        sighting=sighting(100.0 + speed_px, 11),
-    )
-    now_us = 12 * FRAME_US
-    claimed, expected = claim(finger, now_us), expect(finger, now_us)
+    path = tuple(Past(n * FRAME_US, (100.0 + speed_px * (n - 8), 300.0)) for n in range(8, 12))
+    finger = replace(finger, path=path, sighting=sighting(path[-late].tip_px[0], 12 - late))
+    claimed, expected = claim(finger, 12 * FRAME_US), expect(finger, 12 * FRAME_US)
     assert claimed is not None
     tip_px = (claimed.tip_px[0] + off_px, 300.0)
     tip = Fingertip(

@@ -11,7 +11,7 @@ from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.virtual.materials import MATERIALS
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 PLACES = ((450, -5.0, 3.0), (700, 5.0, -4.0))
 """Camera height in mm, pitch and yaw in degrees."""
@@ -31,7 +31,7 @@ def main() -> int:
 
 def line(name: str) -> str:
     """Calibrate in one room and compare."""
-    room = wish(name).room
+    room = parse_sim_url(name).room
     try:
         profile = virtual_profile(room, Settings())
     except UserError as error:

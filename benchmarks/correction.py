@@ -21,15 +21,15 @@ from halo_calibration.session import Session
 from halo_calibration.steps import Setup, sweep, sweep_change
 from halo_calibration.sweep import SWEEP_S
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.profile import Profile
 from halo_service.sensing.correction import strength
 from halo_service.virtual.hand import pointing
-from halo_service.virtual.naming import wish
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.skeleton import FingerPose, posed
 
 SETTLE_S = 2.0
@@ -38,7 +38,7 @@ SETTLE_S = 2.0
 def main() -> int:
     """Print one line a seed."""
     for seed in [int(each) for each in sys.argv[1:]] or [1, 2, 3]:
-        room = wish(f"sim?seed={seed}").room
+        room = parse_sim_url(f"sim?seed={seed}").room
         profile = calibrated(room)
         observed = laid_down(room, profile)
         raw = np.array([each.raw for each in observed])
@@ -62,7 +62,7 @@ def calibrated(room: Room) -> Profile:
         "bench", user.camera, "", stated=STATED, base=choose_base("auto", user.camera.serial)
     )
     with ExitStack() as stack:
-        eyes = Eyes(user.camera, profile, settings.tracking)
+        eyes = HandDetector(user.camera, profile, settings.tracking)
         stack.callback(eyes.close)
         user.obey(CUES["sweep"])
         user.skip(SETTLE_S)
@@ -77,7 +77,7 @@ def laid_down(room: Room, profile: Profile) -> list[Observation]:
     settings = Settings()
     sensor, rng, seen = Sensor(room, colour_times=2), np.random.default_rng(room.seed), []
     with ExitStack() as stack:
-        eyes = Eyes(sensor.camera, profile, settings.tracking)
+        eyes = HandDetector(sensor.camera, profile, settings.tracking)
         stack.callback(eyes.close)
         observer = Observer(profile, eyes.look, settings.sensing)
         number = 0

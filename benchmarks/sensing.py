@@ -23,7 +23,7 @@ from halo_service.evaluation.kept import load, played
 from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings, start, step
 from halo_service.sensing.background import excess_depth
-from halo_service.sensing.sightings import Fingers
+from halo_service.sensing.detections import Fingers
 from halo_service.values import Frame, Tracked
 
 T = TypeVar("T")

@@ -20,14 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.evaluation.latency.handed import handed, unpacked
-from halo_service.tracking.blend import ColourWarp, Picture, blend
-from halo_service.tracking.hands import HandTracker
-from halo_service.tracking.model import hand_model
+from halo_service.hand_tracking.blend import ColourWarp, Picture, blend
+from halo_service.hand_tracking.hands import HandTracker
+from halo_service.hand_tracking.model import hand_model
 from halo_service.values import Finger, Frame
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import Wish, wish
-from halo_service.virtual.plays import play
+from halo_service.virtual.scenarios import play
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import SimRequest, parse_sim_url
 
 SOURCES = (
     *(f"sim:pointing?seed={seed}" for seed in (201, 202, 203, 204)),
@@ -66,7 +66,7 @@ class Eye:
 def main() -> int:
     """Print two lines a take."""
     for source in sys.argv[1:] or SOURCES:
-        asked = wish(source)
+        asked = parse_sim_url(source)
         sensor = Sensor(asked.room)
         shape = (sensor.camera.depth.height, sensor.camera.depth.width)
         warp = ColourWarp(sensor.camera, np.full(shape, asked.room.camera_height_mm, np.float32))
@@ -97,7 +97,7 @@ def pictures(warp: ColourWarp) -> dict[str, Look]:
     }
 
 
-def film(asked: Wish, sensor: Sensor, count: int) -> Iterator[tuple[Frame, list[Pixel]]]:
+def film(asked: SimRequest, sensor: Sensor, count: int) -> Iterator[tuple[Frame, list[Pixel]]]:
     """Yield frames and where the pads of their index fingers truly are, px."""
     acting, lens = play(asked.scenario, asked.room), sensor.camera.depth
     first = round(OPENING_S * FPS)

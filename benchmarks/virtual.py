@@ -19,9 +19,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.virtual.naming import wish
-from halo_service.virtual.plays import play
+from halo_service.virtual.scenarios import play
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.worker import LIVE_COLOUR_TIMES
 
 CASES = (
@@ -37,7 +37,7 @@ CASES = (
 
 def cost_ms(scenario: str, colour_times: int, from_s: float, frames: int) -> NDArray[np.float64]:
     """CPU time of each frame, ms."""
-    asked = wish(f"sim:{scenario}?drop=0")
+    asked = parse_sim_url(f"sim:{scenario}?drop=0")
     acting, sensor = play(asked.scenario, asked.room), Sensor(asked.room, colour_times=colour_times)
     costs = []
     for k in range(frames + 5):
@@ -57,7 +57,7 @@ def resident_mb() -> float:
 
 def memory(frames: int) -> tuple[float, float]:
     """MB after a tenth of the frames and after all of them."""
-    asked = wish("sim:drumming?drop=0")
+    asked = parse_sim_url("sim:drumming?drop=0")
     acting, sensor = play(asked.scenario, asked.room), Sensor(asked.room, colour_times=0)
     early = 0.0
     for k in range(frames):

@@ -34,15 +34,15 @@ from halo_paint.painter import Painter
 from halo_paint.render import painted, save
 from halo_protocol import TouchFrame
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.outputs.jsonl import frame_line
-from halo_service.runtime.lockstep import replay
 from halo_service.runtime.method import OURS
+from halo_service.runtime.replay import replay
 from halo_service.sources import EndOfSource
 from halo_service.values import Frame
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import Take
+from halo_service.virtual.sim_url import parse_sim_url
 
 CLIENTS = Path(__file__).parents[1] / "clients"
 PAINTING, DRUMMING = "sim:painting?seed=3", "sim:drumming?seed=3"
@@ -73,10 +73,10 @@ class Played:
 
 def sensed(name: str, seconds: float, path: Path) -> list[TouchFrame]:
     """A scenario as a guest is told of it; its stream is left at `path`."""
-    wished = wish(name)
-    source = Played(Take(wished, seconds, colour=False))
-    profile = virtual_profile(wished.room, Settings())
-    with closing(Eyes(source.camera, profile, Settings().tracking)) as eyes:
+    request = parse_sim_url(name)
+    source = Played(Take(request, seconds, colour=False))
+    profile = virtual_profile(request.room, Settings())
+    with closing(HandDetector(source.camera, profile, Settings().tracking)) as eyes:
         state = OURS.start(profile, Settings().sensing)
         told = replay(source, eyes.look, OURS, state)
         path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(told)))

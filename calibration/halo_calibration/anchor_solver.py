@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from halo_calibration.background import average
 from halo_calibration.boards import SQUARE, Picture, Printed, marker_squares
+from halo_calibration.detect_boards import detect
+from halo_calibration.detection_hints import require_seen
 from halo_calibration.errors import Refused
-from halo_calibration.flat import Rigid, fit_rigid
-from halo_calibration.sighting import detect
-from halo_calibration.unseen import require_seen
+from halo_calibration.rigid2d import Rigid, fit_rigid
 from halo_service.geometry.camera import Camera, Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Anchor, Background

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.boards import Picture
+from halo_calibration.detect_boards import grey_of
 from halo_calibration.errors import Refused
-from halo_calibration.sighting import grey_of
 from halo_service.values import Pixels
 
 STRIPE_PX = 4

@@ -12,12 +12,12 @@ import numpy as np
 
 from halo_calibration import place_steps
 from halo_calibration.boards import SHEET, Board, Printed
+from halo_calibration.detect_boards import detect
 from halo_calibration.dwell import Place, dwells_for
 from halo_calibration.errors import Refused
-from halo_calibration.flat import TOUCHES, steady
 from halo_calibration.guided import READY_S, Cue, Guided
 from halo_calibration.place_steps import sheet_view
-from halo_calibration.sighting import detect
+from halo_calibration.rigid2d import TOUCHES, steady
 from halo_calibration.steps import Change
 from halo_calibration.surface_solver import CORNERS
 from halo_service.geometry.camera import Camera

@@ -14,14 +14,14 @@ import numpy as np
 
 from halo_calibration import place_steps
 from halo_calibration.boards import Picture, Projected, crosses
+from halo_calibration.detect_boards import detect
 from halo_calibration.errors import Refused
-from halo_calibration.flat import TOUCHES
 from halo_calibration.graycode import count, patterns
 from halo_calibration.guided import Cue, Guided
 from halo_calibration.guided_place import LOOK_S, GuidedPlace
 from halo_calibration.place_steps import View, colour_view
 from halo_calibration.projector_solver import CROSSES
-from halo_calibration.sighting import detect
+from halo_calibration.rigid2d import TOUCHES
 from halo_calibration.steps import Change
 from halo_service.geometry.camera import Points
 from halo_service.profile import Profile

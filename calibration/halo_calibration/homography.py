@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.errors import Refused
-from halo_calibration.flat import inside
+from halo_calibration.rigid2d import inside
 from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector

@@ -10,12 +10,12 @@ from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
 from halo_service.sensing.dent import dent_under
+from halo_service.sensing.detections import detections
 from halo_service.sensing.extraction import extract
+from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
-from halo_service.sensing.revealer import Revealed, reveal
+from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.sightings import sightings
-from halo_service.sensing.straight import unit
 from halo_service.values import Fingertip, Frame, Side, Tracked
 
 Look = Callable[[Frame], Tracked]
@@ -68,31 +68,33 @@ class Observer:
         profile = self._profile
         excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
         self._drift = follow_drift(self._drift, frame.depth, profile.background, frame.time_us)
-        revealed = reveal(excess, self._settings, profile.halo_threshold_mm)
+        segmentation = segment(excess, self._settings, profile.halo_threshold_mm)
         seen = [
-            each for each in sightings(self._look(frame)) if self._side in (Side.UNKNOWN, each.side)
+            each
+            for each in detections(self._look(frame))
+            if self._side in (Side.UNKNOWN, each.side)
         ]
         if not seen:
             return None
-        sighting = max(seen, key=lambda each: each.confidence)
-        tip = locate(sighting, revealed, frame.depth, profile, THICKNESS_MM)
-        raw = extract(revealed, tip)
+        detection = max(seen, key=lambda each: each.confidence)
+        tip = locate(detection, segmentation, frame.depth, profile, THICKNESS_MM)
+        raw = extract(segmentation, tip)
         return Observation(
             frame.time_us,
-            sighting.side,
+            detection.side,
             *tip.pad_mm,
             tip.pitch_deg,
             tip.yaw_deg,
             tip.top_mm,
             raw,
             correct(raw, tip, profile.correction),
-            _line_pixels(revealed, tip),
-            dent_under(revealed, tip, profile),
+            _line_pixels(segmentation, tip),
+            dent_under(segmentation, tip, profile),
             tip.width_mm,
         )
 
 
-def _line_pixels(revealed: Revealed, tip: Fingertip) -> int:
+def _line_pixels(segmentation: Segmentation, tip: Fingertip) -> int:
     """Count halo pixels on the line from the distal joint through the tip and just beyond it.
 
     The paper (4.3.6) tells a height by them, so profiles keep them for those who do as it does. It
@@ -100,11 +102,11 @@ def _line_pixels(revealed: Revealed, tip: Fingertip) -> int:
     on past the tip, where surface is.
     """
     dx, dy = unit(tip.distal_px, tip.tip_px)
-    x, y = revealed.inside(tip.distal_px)
-    height, width = revealed.halo.shape
+    x, y = segmentation.inside(tip.distal_px)
+    height, width = segmentation.halo.shape
     count = 0
     for step in range(round(math.dist(tip.distal_px, tip.tip_px)) + LINE_PX):
         column, row = round(x + dx * step), round(y + dy * step)
         if 0 <= column < width and 0 <= row < height:
-            count += bool(revealed.halo[row, column])
+            count += bool(segmentation.halo[row, column])
     return count

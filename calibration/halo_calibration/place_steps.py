@@ -14,6 +14,7 @@ import numpy as np
 
 from halo_calibration.anchor_solver import anchor_pose
 from halo_calibration.boards import Picture, Printed, Projected
+from halo_calibration.change_surface import relaid
 from halo_calibration.dwell import Place
 from halo_calibration.errors import Refused
 from halo_calibration.graycode import decode
@@ -23,13 +24,12 @@ from halo_calibration.projector_solver import (
     projector_by_markers,
     projector_by_touches,
 )
-from halo_calibration.relaid import relaid
 from halo_calibration.steps import Change, Setup, require, rounded
 from halo_calibration.surface_solver import Laid, surface_by_markers, surface_by_touches
 from halo_service.geometry.camera import Camera, Lens, Points
+from halo_service.hand_tracking.blend import toned
 from halo_service.profile import Profile, StepRecord
 from halo_service.profile.model import Quality
-from halo_service.tracking.blend import toned
 from halo_service.values import Frame
 
 GOOD_SHEET_MM, GOOD_CORNERS_MM = 0.7, 3.0

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from halo_calibration.boards import SQUARE, Picture, Projected, crosses
+from halo_calibration.detect_boards import Seen, detect
+from halo_calibration.detection_hints import require_seen
 from halo_calibration.errors import Refused
-from halo_calibration.flat import steady
 from halo_calibration.graycode import Decoded
 from halo_calibration.homography import Known, Solved, mapped, solve
-from halo_calibration.sighting import Seen, detect
-from halo_calibration.unseen import require_seen
+from halo_calibration.rigid2d import steady
 from halo_calibration.where import place
 from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface

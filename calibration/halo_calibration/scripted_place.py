@@ -12,10 +12,10 @@ from halo_calibration import place_steps
 from halo_calibration.boards import ANCHOR, Projected, anchor, crosses
 from halo_calibration.dwell import Place, dwells_for, touches
 from halo_calibration.errors import Refused
-from halo_calibration.flat import TOUCHES
 from halo_calibration.graycode import count
 from halo_calibration.observe import Observer
 from halo_calibration.place_steps import View, colour_view
+from halo_calibration.rigid2d import TOUCHES
 from halo_calibration.script import Line
 from halo_calibration.steps import Change, Setup, surface_change
 from halo_calibration.surface_solver import CORNERS

@@ -11,11 +11,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from halo_calibration.background import halo_threshold, solve_background
+from halo_calibration.change_surface import relaid
 from halo_calibration.correction import Base, Reference, judge_correction, solve_correction
 from halo_calibration.errors import Refused
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.plane import Plane, solve_plane, surface_from_view
-from halo_calibration.relaid import relaid
 from halo_calibration.surface_solver import check_size
 from halo_calibration.sweep import (
     GOOD_COVERED,

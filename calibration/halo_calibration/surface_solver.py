@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_calibration.boards import SHEET, Picture
+from halo_calibration.detect_boards import Seen, detect
+from halo_calibration.detection_hints import require_seen
 from halo_calibration.errors import Refused
-from halo_calibration.flat import fit_rigid, steady
-from halo_calibration.sighting import Seen, detect
-from halo_calibration.unseen import require_seen
+from halo_calibration.rigid2d import fit_rigid, steady
 from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface
 

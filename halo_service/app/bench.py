@@ -18,8 +18,8 @@ from halo_calibration.correction import Reference, solve_correction
 from halo_calibration.touch import corrected
 from halo_service.app.bench_table import table
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes, model_for
 from halo_service.app.files import written
+from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.publisher import Publisher
 from halo_service.app.sources import KNOWN
 from halo_service.app.virtual_profile import virtual_profile
@@ -33,18 +33,18 @@ from halo_service.evaluation.latency.regressor import Regressor, regressor_for
 from halo_service.evaluation.latency.sequential import Sequential
 from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
 from halo_service.files import from_home
+from halo_service.hand_tracking.hands import HandTracker
 from halo_service.outputs.osc import OscOutput
 from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit, require_touch
-from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import State, start
 from halo_service.sources import EndOfSource
 from halo_service.sources.recording import Recording
-from halo_service.tracking.hands import HandTracker
 from halo_service.values import Frame
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import Wish, wish
+from halo_service.virtual.sim_url import SimRequest, parse_sim_url
 
 CASES = {1: "sim:pointing?seed=1", 2: "sim:drumming?seed=1"}
 """By the hands in them: what is played where nobody names a source."""
@@ -97,10 +97,10 @@ class Service:
         self._regressor = regressor
         self._settings = settings
 
-    def tracker(self) -> TrackerBeside:
+    def tracker(self) -> TrackerThread:
         """Start the hand tracker in its thread."""
-        make = partial(Eyes, self._take.camera, self._profile, self._settings.tracking)
-        return TrackerBeside(make)
+        make = partial(HandDetector, self._take.camera, self._profile, self._settings.tracking)
+        return TrackerThread(make)
 
     def state(self) -> State:
         """Return the sensing's state before its first frame."""
@@ -127,10 +127,10 @@ class Service:
 def _case(source: str, hands: int, asked: Asked, settings: Settings) -> Case:
     kind, _, rest = source.partition(":")
     if kind == "sim":
-        wished = wish(source)
-        profile = _profile_for(asked.profile) or _measured(wished, settings)
+        request = parse_sim_url(source)
+        profile = _profile_for(asked.profile) or _measured(request, settings)
         with _bar(f"drawing {source}", round(asked.seconds * FPS)) as bar:
-            take = draw(source, wished, asked.seconds, bar.update)
+            take = draw(source, request, asked.seconds, bar.update)
     elif kind == "recording" and rest:
         known = _profile_for(asked.profile)
         if known is None:
@@ -168,9 +168,9 @@ def _profile_for(name: str) -> Profile | None:
     return profile
 
 
-def _measured(wished: Wish, settings: Settings) -> Profile:
+def _measured(request: SimRequest, settings: Settings) -> Profile:
     """Calibrate on the virtual room, and correct by the base model, so that nothing is spared."""
-    profile = virtual_profile(wished.room, settings)
+    profile = virtual_profile(request.room, settings)
     assert profile.touch is not None  # it measured them
     held = profile.touch.touch
     at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)

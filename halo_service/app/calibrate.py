@@ -18,9 +18,9 @@ from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.touch import Stated
-from halo_service.app.calibrate_place import PLACED, WAYS, PlaceWish, place
+from halo_service.app.calibrate_place import PLACED, WAYS, PlaceRequest, place
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, open_source
 from halo_service.app.terminal import Terminal, told
 from halo_service.app.virtual_user import STATED, VirtualUser
@@ -35,7 +35,7 @@ FOLLOWED_BY = {"background": ("surface",)}
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class CalibrateRequest:
     """What the command line asks for."""
 
     step: str | None = None
@@ -45,32 +45,32 @@ class Wish:
     side: Side = Side.UNKNOWN
     base: str = "auto"
     """Base model: a file, `none`, or `auto` for the camera's own."""
-    place: PlaceWish = field(default_factory=PlaceWish)
+    place: PlaceRequest = field(default_factory=PlaceRequest)
     """How surface, projector and anchor are found."""
 
 
-def calibrate(settings: Settings, wish: Wish) -> Path:
+def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
     """Run one step or all that are missing; return the profile's folder."""
     if not settings.profile:
         raise UserError("calibrate: name the profile to make or go on with: --profile desk")
-    if wish.place.by is not None and wish.step not in WAYS:
+    if request.place.by is not None and request.step not in WAYS:
         raise UserError(
             f"calibrate: --by goes with one of {', '.join(WAYS)}: halo calibrate surface --by "
-            f"{wish.place.by}"
+            f"{request.place.by}"
         )
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
-        source = _source(settings, wish)
+        source = _source(settings, request)
         stack.callback(source.close)
         known = load(folder) if exists(folder) else None
-        if known is not None and wish.script is None:
+        if known is not None and request.script is None:
             require_fit(known, source.camera)
-        setup = _setup(settings, wish, folder, source)
+        setup = _setup(settings, request, folder, source)
         look_with = _eyes(source, settings, stack)
-        if wish.script is not None:
-            _by_script(setup, source, look_with, wish.script, folder)
+        if request.script is not None:
+            _by_script(setup, source, look_with, request.script, folder)
         else:
-            _guided(setup, source, look_with, wish, folder)
+            _guided(setup, source, look_with, request, folder)
         left = missing(load(folder))
         say = Terminal(None).say
         say(f"Still missing: {', '.join(left)}." if left else _next(settings))
@@ -81,13 +81,13 @@ def _guided(
     setup: Setup,
     source: Source,
     look_with: Callable[[Profile | None], Look],
-    wish: Wish,
+    request: CalibrateRequest,
     folder: Path,
 ) -> None:
     terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
     guided = Guided(setup, Session(source), terminal, look_with)
     profile = load(folder) if exists(folder) else None
-    todo = [wish.step] if wish.step else missing(profile)
+    todo = [request.step] if request.step else missing(profile)
     if not todo:
         terminal.say(f"{folder} is complete; name a step to do it again, e.g. halo calibrate touch")
         return
@@ -95,18 +95,20 @@ def _guided(
     if isinstance(source, VirtualUser):
         terminal.say("There is no camera, so a virtual user follows the prompts.")
     for name in todo:
-        change = _one(name, guided, source, wish, profile)
+        change = _one(name, guided, source, request, profile)
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
             terminal.say(told(each, profile.steps[each]))
 
 
-def _one(name: str, guided: Guided, source: Source, wish: Wish, profile: Profile | None) -> Change:
+def _one(
+    name: str, guided: Guided, source: Source, request: CalibrateRequest, profile: Profile | None
+) -> Change:
     if name == "background":
         return guided.background()
     known = require(profile, name)
     if name in PLACED:
-        return place(name, guided, source, wish.place, known)
+        return place(name, guided, source, request.place, known)
     return guided.touch(known) if name == "touch" else guided.sweep(known)
 
 
@@ -140,7 +142,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
             "halo calibrate touch --profile pilot1"
         )
     with ExitStack() as stack:
-        source = _source(settings, Wish())
+        source = _source(settings, CalibrateRequest())
         stack.callback(source.close)
         require_fit(profile, source.camera)
         terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
@@ -162,27 +164,29 @@ def missing(profile: Profile | None) -> list[str]:
     return [step for step in STEPS if step not in done and step != "surface"]
 
 
-def _setup(settings: Settings, wish: Wish, folder: Path, source: Source) -> Setup:
+def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: Source) -> Setup:
     virtual = isinstance(source, VirtualUser)
     return Setup(
         name=folder.name,
         camera=source.camera,
         date=_date(settings.source.name),
         settings=settings.sensing,
-        stated=STATED if virtual else wish.stated,
-        base=choose_base(wish.base, source.camera.serial),
-        side=wish.side,
+        stated=STATED if virtual else request.stated,
+        base=choose_base(request.base, source.camera.serial),
+        side=request.side,
     )
 
 
-def _source(settings: Settings, wish: Wish) -> Source:
+def _source(settings: Settings, request: CalibrateRequest) -> Source:
     name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
-        from halo_service.virtual.naming import wish as virtual
+        from halo_service.virtual.sim_url import parse_sim_url
 
         # Boards are read from the colour picture as it is; hands are found in a smaller one.
-        return VirtualUser(virtual(name).room, colour_times=1 if wish.step in PLACED else 2)
-    if name.startswith("recording:") and wish.script is None:
+        return VirtualUser(
+            parse_sim_url(name).room, colour_times=1 if request.step in PLACED else 2
+        )
+    if name.startswith("recording:") and request.script is None:
         raise UserError(
             "calibrate: nobody in a recording follows the prompts; say what happens when with "
             "--script FILE"
@@ -201,7 +205,7 @@ def _date(source: str) -> str:
 def _eyes(source: Source, settings: Settings, stack: ExitStack) -> Callable[[Profile | None], Look]:
     def look_with(profile: Profile | None) -> Look:
         # One hand calibrates, and searching for a second doubles the tracker's time.
-        eyes = Eyes(source.camera, profile, replace(settings.tracking, max_hands=1))
+        eyes = HandDetector(source.camera, profile, replace(settings.tracking, max_hands=1))
         stack.callback(eyes.close)
         return eyes.look
 

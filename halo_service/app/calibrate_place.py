@@ -9,7 +9,7 @@ from halo_calibration.guided import Guided
 from halo_calibration.guided_place import GuidedPlace
 from halo_calibration.guided_projector import GuidedProjector
 from halo_calibration.steps import Change, surface_change
-from halo_service.app.screens import ScreenWish, screen_for
+from halo_service.app.screens import ScreenRequest, screen_for
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.sources import Exposing, Source
@@ -21,7 +21,7 @@ WAYS = {"surface": ("view", "markers", "touch"), "projector": ("markers", "gray"
 
 
 @dataclass(frozen=True, slots=True)
-class PlaceWish:
+class PlaceRequest:
     """What the command line asks of these steps."""
 
     by: str | None = None
@@ -29,24 +29,26 @@ class PlaceWish:
     width_mm: float = 300.0
     height_mm: float = 200.0
     """The surface's size, where its corners are not touched."""
-    screen: ScreenWish = field(default_factory=ScreenWish)
+    screen: ScreenRequest = field(default_factory=ScreenRequest)
     marker: Printed = ANCHOR
 
 
-def place(name: str, guided: Guided, source: Source, wish: PlaceWish, profile: Profile) -> Change:
+def place(
+    name: str, guided: Guided, source: Source, request: PlaceRequest, profile: Profile
+) -> Change:
     """Take one of these steps over a profile's plane. Raises `UserError`, `Refused` among them."""
-    way = _way(name, wish.by)
+    way = _way(name, request.by)
     if name == "anchor":
-        return GuidedPlace(guided).marker(profile, wish.marker)
+        return GuidedPlace(guided).marker(profile, request.marker)
     if name == "projector":
         expose = source.expose if isinstance(source, Exposing) else None
-        with screen_for(source, wish.screen) as screen:
+        with screen_for(source, request.screen) as screen:
             return GuidedProjector(guided, screen, expose).projector(profile, way)
     if way == "markers":
-        return GuidedPlace(guided).sheet(profile, wish.width_mm, wish.height_mm)
+        return GuidedPlace(guided).sheet(profile, request.width_mm, request.height_mm)
     if way == "touch":
         return GuidedPlace(guided).corners(profile)
-    return surface_change(guided.setup, wish.width_mm, wish.height_mm)
+    return surface_change(guided.setup, request.width_mm, request.height_mm)
 
 
 def _way(name: str, by: str | None) -> str:

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 from halo_service.errors import UserError
 
 if TYPE_CHECKING:
-    from halo_service.app.calibrate_place import PlaceWish
+    from halo_service.app.calibrate_place import PlaceRequest
 
 
 def calibrate(options: argparse.Namespace) -> int:
     """Teach the service a place and a finger; after Ctrl-C what is missing is still missing."""
     from halo_calibration.touch import Stated
-    from halo_service.app.calibrate import Wish, pilot
+    from halo_service.app.calibrate import CalibrateRequest, pilot
     from halo_service.app.calibrate import calibrate as teach
     from halo_service.app.config import load
     from halo_service.values import Side
@@ -29,19 +29,21 @@ def calibrate(options: argparse.Namespace) -> int:
     stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
     side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
     settings = replace(settings, profile=options.profile or settings.profile, source=source)
-    wish = Wish(options.step, options.script, stated, side, options.base, _places(options))
+    request = CalibrateRequest(
+        options.step, options.script, stated, side, options.base, _places(options)
+    )
     if options.step == "pilot":
         pilot(settings, options.rounds, options.round_s)
     else:
-        teach(settings, wish)
+        teach(settings, request)
     return 0
 
 
-def _places(options: argparse.Namespace) -> PlaceWish:
+def _places(options: argparse.Namespace) -> PlaceRequest:
     """Say how surface, projector and anchor shall be found."""
     from halo_calibration.boards import ANCHOR, anchor
-    from halo_service.app.calibrate_place import PlaceWish
-    from halo_service.app.screens import FILE_PX, ScreenWish, size_of
+    from halo_service.app.calibrate_place import PlaceRequest
+    from halo_service.app.screens import FILE_PX, ScreenRequest, size_of
 
     marker = anchor(
         ANCHOR.family.name if options.family is None else options.family,
@@ -49,22 +51,22 @@ def _places(options: argparse.Namespace) -> PlaceWish:
         ANCHOR.size_mm if options.size_mm is None else options.size_mm,
     )
     size_px = FILE_PX if options.size_px is None else size_of(options.size_px)
-    screen = ScreenWish(options.display, options.window, options.picture, size_px)
-    return PlaceWish(options.by, options.width_mm, options.height_mm, screen, marker)
+    screen = ScreenRequest(options.display, options.window, options.picture, size_px)
+    return PlaceRequest(options.by, options.width_mm, options.height_mm, screen, marker)
 
 
 def verify(options: argparse.Namespace) -> int:
     """Exit code 0: all crossings were touched, and nearly; 1: they were not."""
     from halo_service.app.config import load
-    from halo_service.app.screens import ScreenWish
-    from halo_service.app.verify import VerifyWish
+    from halo_service.app.screens import ScreenRequest
+    from halo_service.app.verify import VerifyRequest
     from halo_service.app.verify import verify as look
 
     settings = load(options.config)
     source = replace(settings.source, name=options.source or settings.source.name)
     settings = replace(settings, profile=options.profile or settings.profile, source=source)
-    screen = ScreenWish(options.display, options.window)
-    return look(settings, VerifyWish(screen, options.service, options.within_mm))
+    screen = ScreenRequest(options.display, options.window)
+    return look(settings, VerifyRequest(screen, options.service, options.within_mm))
 
 
 def targets(options: argparse.Namespace) -> int:

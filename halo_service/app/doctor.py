@@ -87,7 +87,7 @@ def _camera(settings: Settings) -> Finding:
 
 
 def _model(settings: Settings) -> Finding:
-    from halo_service.tracking.model import model_path
+    from halo_service.hand_tracking.model import model_path
 
     path = from_home(settings.tracking.model) if settings.tracking.model else model_path()
     if not path.is_file():
@@ -98,7 +98,7 @@ def _model(settings: Settings) -> Finding:
             "correct tracking.model"
             if settings.tracking.model
             else "the first 'halo serve' fetches it (35 MB), or: python -m "
-            "halo_service.tracking.model",
+            "halo_service.hand_tracking.model",
         )
     return Finding("hand model", True, str(path))
 

@@ -16,7 +16,7 @@ from platformdirs import user_cache_path
 from tqdm import tqdm
 
 from halo_service.app.config import Settings, TrackingSettings
-from halo_service.app.eyes import Eyes, model_for
+from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.errors import UserError
 from halo_service.evaluation import matrix
 from halo_service.evaluation.capture import Look, Studio
@@ -100,7 +100,7 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
     with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
         with (
-            closing(Eyes(source.camera, profile, settings.tracking)) as eyes,
+            closing(HandDetector(source.camera, profile, settings.tracking)) as eyes,
             tqdm(desc="judging", unit=" frames", leave=False) as bar,
         ):
 
@@ -125,7 +125,7 @@ def looking(
     tracking: TrackingSettings, camera: Camera, profile: Profile | None, hands: int
 ) -> Iterator[Look]:
     """Give a hand tracker that looks for so many hands."""
-    with closing(Eyes(camera, profile, replace(tracking, max_hands=hands))) as eyes:
+    with closing(HandDetector(camera, profile, replace(tracking, max_hands=hands))) as eyes:
         yield eyes.look
 
 

@@ -32,7 +32,7 @@ from halo_service.profile.store import load, profile_path, require_fit, require_
 from halo_service.sources import Source
 from halo_service.values import Frame
 from halo_service.virtual.camera import SERIAL
-from halo_service.virtual.plays.study import FORCES_G, HEIGHTS_MM
+from halo_service.virtual.scenarios.study import FORCES_G, HEIGHTS_MM
 
 RECORDING, SCRIPT = "first-light.mkv", "first-light.json"
 """What the session leaves in its folder."""

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from halo_service.errors import UserError
 from halo_service.profile import Profile
+from halo_service.profile.archive import pack, unpack
 from halo_service.profile.model import HeldState
-from halo_service.profile.parcel import pack, unpack
 from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
 
 NAME = re.compile(r"[\w-][\w .-]{0,63}")

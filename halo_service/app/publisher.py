@@ -10,7 +10,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile, Projector
-from halo_service.runtime.vitals import Vitals
+from halo_service.runtime.health import Health
 from halo_service.sensing import DEFAULT_SURFACE, State
 from halo_service.values import SourceKind, TouchFrame
 
@@ -70,7 +70,7 @@ class Publisher:
                 homography = self._homography(profile, profile.projector)
                 self._send("homography", [wire.encode(self._surface, homography)])
 
-    def health(self, vitals: Vitals) -> None:
+    def health(self, vitals: Health) -> None:
         """Send how the service fares."""
         health = wire.Health(
             self._frames.node,

@@ -13,8 +13,8 @@ from halo_service.evaluation.rivals import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
-from halo_service.runtime.lockstep import Look
-from halo_service.runtime.lockstep import replay as sensed
+from halo_service.runtime.replay import Look
+from halo_service.runtime.replay import replay as sensed
 from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 
@@ -54,7 +54,7 @@ def _looking(source: Source, profile: Profile | None, settings: Settings) -> Ite
     if profile is None:
         yield lambda frame: None
         return
-    from halo_service.app.eyes import Eyes
+    from halo_service.app.hand_detector import HandDetector
 
-    with closing(Eyes(source.camera, profile, settings.tracking)) as eyes:
+    with closing(HandDetector(source.camera, profile, settings.tracking)) as eyes:
         yield eyes.look

@@ -29,7 +29,7 @@ FILE_PX = (1920, 1080)
 
 
 @dataclass(frozen=True, slots=True)
-class ScreenWish:
+class ScreenRequest:
     """Where the user wants pictures to be shown."""
 
     display: int = 0
@@ -90,10 +90,10 @@ class _File:
             sys.stdin.readline()
 
 
-def screen_for(source: Source, wish: ScreenWish) -> AbstractContextManager[Screen]:
+def screen_for(source: Source, request: ScreenRequest) -> AbstractContextManager[Screen]:
     """Open what shows pictures over a source's table. Raises `UserError`."""
-    if wish.picture is not None:
-        return nullcontext(_File(wish.picture, wish.size_px))
+    if request.picture is not None:
+        return nullcontext(_File(request.picture, request.size_px))
     if isinstance(source, VirtualUser):
         return nullcontext(_Virtual(source))
-    return Display(wish.display, full_screen=not wish.window)
+    return Display(request.display, full_screen=not request.window)

@@ -13,9 +13,9 @@ from types import FrameType
 
 import halo_protocol as wire
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes, model_for
-from halo_service.app.keeper import Keeper
-from halo_service.app.orders import Orders
+from halo_service.app.control_handler import ControlHandler
+from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.profile_reloader import ProfileReloader
 from halo_service.app.publisher import Publisher
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
@@ -27,8 +27,8 @@ from halo_service.outputs.settings import LISTEN
 from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
-from halo_service.runtime.beside import TrackerBeside
 from halo_service.runtime.live import LiveLoop
+from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import DEFAULT_SURFACE, start
 from halo_service.sources import Source
 
@@ -54,9 +54,9 @@ def serve(settings: Settings) -> None:
             stack.callback(tracker.close)
         state = start(profile, settings.sensing)
         folder = profile_path(settings.profile) if settings.profile else None
-        keeper = Keeper(folder, source.camera, profile)
+        keeper = ProfileReloader(folder, source.camera, profile)
         stack.callback(keeper.close)
-        orders = Orders(control, keeper)
+        orders = ControlHandler(control, keeper)
         again = partial(_same_again, reopen, source.camera)
         loop = LiveLoop(source, again, tracker, state, publisher, orders.obey, keeper.watch)
         _stop_on_signals(loop)
@@ -90,12 +90,12 @@ def _node(name: str) -> str:
         raise UserError(f"{error}; set it with --node or in halo.toml") from error
 
 
-def _tracker(source: Source, profile: Profile | None, settings: Settings) -> TrackerBeside | None:
+def _tracker(source: Source, profile: Profile | None, settings: Settings) -> TrackerThread | None:
     """Make the hand tracker; a recording without a profile has no use for hands, and needs none."""
     if profile is None and not settings.profile and source.kind == "recording":
         return None
     model_for(settings.tracking)  # here, so that a model that cannot be had is told at the start
-    return TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
+    return TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
 
 
 def _same_again(reopen: Callable[[], Source], camera: Camera) -> Source:

@@ -57,8 +57,8 @@ def _opener(kind: str, rest: str, name: str, settings: SourceSettings) -> Callab
         return lambda: Recording(path, realtime=not settings.fast, loop=settings.loop)
     if kind == "sim":
         from halo_service.virtual.live import VirtualKinect
-        from halo_service.virtual.naming import wish
+        from halo_service.virtual.sim_url import parse_sim_url
 
-        wished = wish(name)
-        return lambda: VirtualKinect(wished)
+        request = parse_sim_url(name)
+        return lambda: VirtualKinect(request)
     raise UserError(f"source: '{name}' is none; known: {KNOWN}")

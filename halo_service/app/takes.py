@@ -46,11 +46,11 @@ def simulate(asked: Simulated) -> int:
 
     All of its files appear together when it is complete, or none does.
     """
-    from halo_service.virtual.naming import wish
     from halo_service.virtual.offline import Take
+    from halo_service.virtual.sim_url import parse_sim_url
 
-    wished = wish(f"sim:{asked.scenario.removeprefix('sim:')}", seed=asked.seed)
-    take = Take(wished, asked.seconds, colour=asked.colour)
+    request = parse_sim_url(f"sim:{asked.scenario.removeprefix('sim:')}", seed=asked.seed)
+    take = Take(request, asked.seconds, colour=asked.colour)
     if STDOUT in (str(asked.out), asked.truth, asked.script):
         raise UserError("simulate writes files; name them, '-' is none")
     count = 0

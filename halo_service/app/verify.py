@@ -17,8 +17,8 @@ from halo_calibration.guided import Cue
 from halo_calibration.guided_projector import Screen
 from halo_service.app.config import Settings
 from halo_service.app.crossings import Finger, Grid
-from halo_service.app.eyes import Eyes
-from halo_service.app.screens import ScreenWish, screen_for
+from halo_service.app.hand_detector import HandDetector
+from halo_service.app.screens import ScreenRequest, screen_for
 from halo_service.app.sources import decide, open_source
 from halo_service.app.verification import Verification, grid_over, summed_up
 from halo_service.app.verify_heard import heard
@@ -26,11 +26,11 @@ from halo_service.app.virtual_user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
-from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop
-from halo_service.runtime.lockstep import replay
 from halo_service.runtime.method import OURS
-from halo_service.runtime.vitals import Vitals
+from halo_service.runtime.replay import replay
+from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import State, start
 from halo_service.sources import Source
 from halo_service.values import Touch, TouchFrame
@@ -43,42 +43,42 @@ VIRTUAL_PATIENCE_S = 12.0
 
 
 @dataclass(frozen=True, slots=True)
-class VerifyWish:
+class VerifyRequest:
     """What the command line asks for."""
 
-    screen: ScreenWish = field(default_factory=ScreenWish)
+    screen: ScreenRequest = field(default_factory=ScreenRequest)
     service: str | None = None
     """Where a running service is heard, e.g. `osc://127.0.0.1:9000`; None: sense here."""
     within_mm: float = WITHIN_MM
 
 
-def verify(settings: Settings, wish: VerifyWish) -> int:
+def verify(settings: Settings, request: VerifyRequest) -> int:
     """Verify until all crossings are touched, the display is closed or Ctrl-C; return the exit
     code: 0 where all were touched and 95 % of the touches lie within the bound."""
-    if wish.service is not None:
-        grid = heard(wish.service, wish.screen)
+    if request.service is not None:
+        grid = heard(request.service, request.screen)
     elif not settings.profile:
         raise UserError("verify: name a profile whose projector is calibrated: --profile desk")
     else:
-        grid = _sensed(settings, wish)
-    return summed_up(grid, wish.within_mm)
+        grid = _sensed(settings, request)
+    return summed_up(grid, request.within_mm)
 
 
-def _sensed(settings: Settings, wish: VerifyWish) -> Grid:
+def _sensed(settings: Settings, request: VerifyRequest) -> Grid:
     """Sense here."""
     profile = load(profile_path(settings.profile))
     with ExitStack() as stack:
         source, reopen = _opened(settings)
         stack.callback(source.close)
         require_fit(profile, source.camera)
-        screen = stack.enter_context(screen_for(source, wish.screen))
+        screen = stack.enter_context(screen_for(source, request.screen))
         verification = Verification(_grid_of(profile, screen), screen)
         state = start(profile, settings.sensing)
         if isinstance(source, VirtualUser):
             with suppress(KeyboardInterrupt):
                 _follow(source, verification, state, settings)
             return verification.grid
-        tracker = TrackerBeside(lambda: Eyes(source.camera, profile, settings.tracking))
+        tracker = TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
         stack.callback(tracker.close)
         teller = _Teller(verification)
         loop = LiveLoop(source, reopen, tracker, state, teller)
@@ -93,7 +93,9 @@ def _follow(
 ) -> None:
     """Let the virtual user touch one crossing after the other; time is their own."""
     grid, asked, since_us = verification.grid, None, 0
-    with closing(Eyes(user.camera, state.profile, replace(settings.tracking, max_hands=1))) as eyes:
+    with closing(
+        HandDetector(user.camera, state.profile, replace(settings.tracking, max_hands=1))
+    ) as eyes:
         for told in replay(user, eyes.look, OURS, state):
             _take(verification, told)
             late = told.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
@@ -135,7 +137,7 @@ class _Teller:
     def scene(self, state: State) -> None:
         """Nobody joins late."""
 
-    def health(self, vitals: Vitals) -> None:
+    def health(self, vitals: Health) -> None:
         """Nobody asks."""
 
 
@@ -148,9 +150,9 @@ def _take(verification: Verification, told: TouchFrame) -> None:
 def _opened(settings: Settings) -> tuple[Source, Callable[[], Source]]:
     name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
-        from halo_service.virtual.naming import wish
+        from halo_service.virtual.sim_url import parse_sim_url
 
-        user = VirtualUser(wish(name).room)
+        user = VirtualUser(parse_sim_url(name).room)
         return user, lambda: user
     return open_source(replace(settings.source, name=name))
 

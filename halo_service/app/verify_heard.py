@@ -12,7 +12,7 @@ import halo_client
 import halo_protocol as wire
 from halo_service.app.crossings import Finger, Grid
 from halo_service.app.display import Display
-from halo_service.app.screens import ScreenWish
+from halo_service.app.screens import ScreenRequest
 from halo_service.app.verification import Verification, grid_over
 from halo_service.errors import UserError
 
@@ -27,7 +27,7 @@ class _Told(NamedTuple):
     homography: wire.Homography
 
 
-def heard(url: str, screen: ScreenWish) -> Grid:
+def heard(url: str, screen: ScreenRequest) -> Grid:
     """Hear a service at an address (`osc://...`) until all is touched, the display is closed or
     Ctrl-C. Raises `UserError`."""
     try:

@@ -15,11 +15,11 @@ from halo_calibration.observe import Observer
 from halo_calibration.pilot import ANGLES_DEG, merged, pilot_samples, usable
 from halo_calibration.sweep import SWEEP_S, Samples, samples_of
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.app.virtual_user import VirtualUser
 from halo_service.virtual.camera import FPS, SERIAL
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 PILOTS = ("sim?seed=901&material=paper", "sim?seed=902&material=wood", "sim?seed=903&material=foam")
 """Seeds that no test, scenario or bench uses."""
@@ -39,12 +39,12 @@ def main() -> int:
 
 
 def _pilot(name: str, settings: Settings) -> Samples:
-    room = wish(name).room
+    room = parse_sim_url(name).room
     profile = virtual_profile(room, settings)
     user = VirtualUser(room)
     rounds: list[tuple[float, Samples]] = []
     with ExitStack() as stack:
-        eyes = Eyes(user.camera, profile, settings.tracking)
+        eyes = HandDetector(user.camera, profile, settings.tracking)
         stack.callback(eyes.close)
         for angle in ANGLES_DEG:
             observer = Observer(profile, eyes.look, settings.sensing)

@@ -18,7 +18,7 @@ from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_calibration.touch import STATES, Held
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
@@ -43,7 +43,7 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
     setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED)
     try:
         with ExitStack() as stack:
-            eyes = Eyes(user.camera, None, replace(settings.tracking, max_hands=1))
+            eyes = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
             stack.callback(eyes.close)
             empty = list(session.lasting(BACKGROUND_S, "background"))
             profile = steps.background_change(setup, empty, eyes.look)(None)

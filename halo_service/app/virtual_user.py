@@ -22,9 +22,9 @@ from halo_service.virtual.bodies import wedge
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.motion import Performer, Segment
-from halo_service.virtual.plays.common import away
 from halo_service.virtual.props import Flat, printed
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenarios.common import away
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
 from halo_service.virtual.track import SWAY_MM, Track

@@ -20,7 +20,7 @@ from halo_service.evaluation.kept import Kept, load, played
 from halo_service.evaluation.matrix import CALIBRATION
 from halo_service.evaluation.together import Played, Remembered
 from halo_service.profile import Background, Profile
-from halo_service.profile.form import array_files, to_json
+from halo_service.profile.serialization import array_files, to_json
 from halo_service.runtime.method import OURS, Method
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import factory

@@ -30,9 +30,9 @@ from halo_service.profile import Background, Profile
 from halo_service.profile.lock import locked
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.camera import factory
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import Take
-from halo_service.virtual.plays.calibration import BACKGROUND_S
+from halo_service.virtual.scenarios.calibration import BACKGROUND_S
+from halo_service.virtual.sim_url import parse_sim_url
 
 LONGEST = 1.5
 """A task that ends after its touches has ended after so many times what it should take."""
@@ -183,7 +183,7 @@ def _captures(
 def _drawn(person: Person, task: Task) -> Take:
     """Draw as the live virtual Kinect does."""
     seconds = None if task.ends else task.seconds * (LONGEST if task.touches else 1.0)
-    return Take(wish(person.source(task)), seconds, colour_times=2)
+    return Take(parse_sim_url(person.source(task)), seconds, colour_times=2)
 
 
 def _frames(take: Take, task: Task, truth: list[Line]) -> Iterator[Frame]:

@@ -34,7 +34,7 @@ from halo_service.evaluation.together import Remembered, together
 from halo_service.profile.lock import Busy
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 DRAWN_MS, SENSED_MS, CALIBRATED_S = 30.0, 2.0, 9.0
 """What a frame costs to draw and track once, a frame to sense and a person to calibrate for each
@@ -161,7 +161,7 @@ def _prepare(order: Order, person: Person) -> Calibrated:
 def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tuple[Result, ...]:
     """Sense and score one take, by all methods that know the person."""
     # The person's own over all tasks; a kept take of labels may have outlived its label file.
-    curve = wish(person.source(CALIBRATION)).room.curve
+    curve = parse_sim_url(person.source(CALIBRATION)).room.curve
     subject = Subject(person.name, person.seed, person.material, curve.family)
     results = {
         name: Result(subject, task.name, name, None, refused)

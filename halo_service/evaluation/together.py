@@ -9,8 +9,8 @@ from typing import Any
 from halo_service.evaluation.kept import Kept
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
-from halo_service.runtime.lockstep import replay
 from halo_service.runtime.method import Method
+from halo_service.runtime.replay import replay
 from halo_service.sensing import SensingSettings
 from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame, SourceKind, TouchFrame, Tracked

@@ -21,9 +21,9 @@ from platformdirs import user_data_path
 from halo_service.errors import UserError
 from halo_service.files import from_home
 from halo_service.geometry.camera import Camera, Lens
-from halo_service.profile.form import ARRAYS, FORMAT, array_files, from_json, to_json
 from halo_service.profile.lock import locked
 from halo_service.profile.model import Profile
+from halo_service.profile.serialization import ARRAYS, FORMAT, array_files, from_json, to_json
 
 TEXT = "profile.json"
 TRIES = 5

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from halo_service.errors import UserError
-from halo_service.runtime.beside import TrackerBeside, TrackerState
 from halo_service.runtime.checks import judge
-from halo_service.runtime.vitals import Pulse, Vitals
+from halo_service.runtime.health import Health, Pulse
+from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
 from halo_service.sensing import State, clear, step
 from halo_service.sources import EndOfSource, Source, SourceLost
 from halo_service.values import BadFrame, Frame, TouchFrame
@@ -47,7 +47,7 @@ class Publisher(Protocol):
     def scene(self, state: State) -> None:
         """Send what late joiners must know."""
 
-    def health(self, vitals: Vitals) -> None:
+    def health(self, vitals: Health) -> None:
         """Send how the service fares."""
 
 
@@ -70,7 +70,7 @@ class LiveLoop:
         self,
         source: Source,
         reopen: Callable[[], Source],
-        tracker: TrackerBeside | None,
+        tracker: TrackerThread | None,
         state: State,
         publisher: Publisher,
         obey: Obey = _hear_nothing,
@@ -188,7 +188,7 @@ class LiveLoop:
             self._health_s = now_s
             self._publisher.health(self._vitals())
 
-    def _vitals(self) -> Vitals:
+    def _vitals(self) -> Health:
         seeing = self._tracker is not None and self._pulse.camera == "running"
         idle: TrackerState = "off" if self._tracker is None else "searching"
         state = self._tracker.state if self._tracker is not None and seeing else idle

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.profile import Profile
-from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.straight import unit
+from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Fingertip
 
 Floats = NDArray[np.float64]
@@ -48,15 +48,15 @@ PASSES = 2
 _REACH = math.ceil(RING_PX[1])
 
 
-def dent_under(revealed: Revealed, tip: Fingertip, profile: Profile) -> float:
+def dent_under(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> float:
     """Return the depth of the dent's middle, mm, about 0 without one; nan where it is hidden."""
     dx, dy = unit(tip.distal_px, tip.tip_px)
     pad_px = profile.surface.in_picture(np.array([tip.pad_mm]), profile.camera.depth, np.eye(4))
-    pad = revealed.inside((float(pad_px[0, 0]), float(pad_px[0, 1])))
+    pad = segmentation.inside((float(pad_px[0, 0]), float(pad_px[0, 1])))
     x, y = pad[0] + AHEAD_PX * dx, pad[1] + AHEAD_PX * dy
     left, top = max(round(x) - _REACH, 0), max(round(y) - _REACH, 0)
     window = np.s_[top : max(round(y) + _REACH + 1, 0), left : max(round(x) + _REACH + 1, 0)]
-    excess_mm = revealed.excess_mm[window]
+    excess_mm = segmentation.excess_mm[window]
     if excess_mm.size < LEAST_PX:
         return math.nan
     right = np.arange(left, left + excess_mm.shape[1]) - x
@@ -64,7 +64,7 @@ def dent_under(revealed: Revealed, tip: Fingertip, profile: Profile) -> float:
     along, across = right * dx + down * dy, down * dx - right * dy
     away = right**2 + down**2
     seen = (away >= RING_PX[0] ** 2) & (away <= RING_PX[1] ** 2) & (along > -BACK_PX)
-    seen &= (excess_mm != 0.0) & (cv2.erode(revealed.free[window].astype(np.uint8), EDGE) > 0)
+    seen &= (excess_mm != 0.0) & (cv2.erode(segmentation.free[window].astype(np.uint8), EDGE) > 0)
     if np.count_nonzero(seen) < LEAST_PX:
         return math.nan
     return _bell(along[seen], across[seen], excess_mm[seen].astype(np.float64))

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.straight import unit
+from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Fingertip
 
 PATCH_WIDTH_PX = 30
@@ -23,20 +23,20 @@ LEAST_FREE_PX = 120
 """No fewer stand for all: a quarter."""
 
 
-def extract(revealed: Revealed, tip: Fingertip) -> float:
+def extract(segmentation: Segmentation, tip: Fingertip) -> float:
     """Sum the excess depth of the halo pixels in the patch around the tip, mm px.
 
     The patch lies across the finger. Where more of it is hidden than by a lone finger, by the
     hand itself, by a neighbour or by pixels that measured nothing, what is left stands for all.
     """
     dx, dy = unit(tip.distal_px, tip.tip_px)
-    end = revealed.inside(tip.tip_px)
+    end = segmentation.inside(tip.tip_px)
     # The edge of a silhouette lies between two pixels, where rounding would waver.
     x = np.floor(end[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
     y = np.floor(end[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
-    height, width = revealed.halo.shape
+    height, width = segmentation.halo.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     x, y = x[inside], y[inside]
-    signal = float(revealed.excess_mm[y, x][revealed.halo[y, x]].sum())
-    free = np.count_nonzero(revealed.free[y, x])
+    signal = float(segmentation.excess_mm[y, x][segmentation.halo[y, x]].sum())
+    free = np.count_nonzero(segmentation.free[y, x])
     return signal * FREE_PX / max(free, LEAST_FREE_PX)

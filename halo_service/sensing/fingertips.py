@@ -14,11 +14,11 @@ import numpy as np
 from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
+from halo_service.sensing.detections import Detection
+from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.outline import Outline, outline
-from halo_service.sensing.revealer import Revealed
 from halo_service.sensing.ridge import angles, height_behind
-from halo_service.sensing.sightings import Sighting
-from halo_service.sensing.straight import unit
+from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Depth, Fingertip
 
 TIP_RADIUS_MM = 7.0
@@ -36,8 +36,8 @@ TYPICAL_PITCH_DEG = 45.0
 
 
 def locate(
-    sighting: Sighting,
-    revealed: Revealed,
+    detection: Detection,
+    segmentation: Segmentation,
     depth: Depth,
     profile: Profile,
     thickness_mm: float,
@@ -45,33 +45,33 @@ def locate(
 ) -> Fingertip:
     """Find a sighted tip in the present frame.
 
-    `sighting`: where it is expected there;
+    `detection`: where it is expected there;
     `thickness_mm`, `radius_mm`: of the fingertip, from pad to nail and from side to middle.
     """
     camera, surface = profile.camera, profile.surface
-    guess, towards = sighting.tip_px, unit(sighting.distal_px, sighting.tip_px)
+    guess, towards = detection.tip_px, unit(detection.distal_px, detection.tip_px)
     px_per_mm = camera.depth.fx / max(float(surface.camera_from_surface[2, 3]), 1.0)
-    seen = outline(revealed, depth, guess, towards, radius_mm * px_per_mm)
+    seen = outline(segmentation, depth, guess, towards, radius_mm * px_per_mm)
     end = seen or Outline(guess, towards, math.nan, False)
     tip, direction = end.tip_px, end.direction
-    back_px = math.dist(sighting.distal_px, sighting.tip_px)
+    back_px = math.dist(detection.distal_px, detection.tip_px)
     distal = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
 
-    top_mm = height_behind(revealed, tip, direction, radius_mm * px_per_mm)
+    top_mm = height_behind(segmentation, tip, direction, radius_mm * px_per_mm)
     height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     rays = camera.depth.rays(np.array([tip, distal]))
     pad = _pad(rays, surface, height + radius_mm, radius_mm)
-    read = angles(depth, revealed, tip, direction, camera, surface)
+    read = angles(depth, segmentation, tip, direction, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
-    confidence = sighting.confidence
+    confidence = detection.confidence
     if not end.clear:
         confidence *= UNCLEAR_CONFIDENCE if seen else UNSEEN_CONFIDENCE
     if not VALID_PITCH_DEG[0] <= pitch <= VALID_PITCH_DEG[1]:
         confidence *= STEEP_CONFIDENCE
     return Fingertip(
-        sighting.side,
-        sighting.finger,
+        detection.side,
+        detection.finger,
         tip,
         distal,
         pad,

@@ -15,10 +15,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.sightings import Pixel
+from halo_service.sensing.detections import Pixel
+from halo_service.sensing.finger_frame import Grid, blended, grid, moved, nearest
+from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.silhouette import silhouette_end, stands_out
-from halo_service.sensing.straight import Grid, blended, grid, moved, nearest
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -77,14 +77,14 @@ class _View(NamedTuple):
 
 
 def outline(
-    revealed: Revealed, depth: Depth, guess: Pixel, direction: Pixel, radius_px: float
+    segmentation: Segmentation, depth: Depth, guess: Pixel, direction: Pixel, radius_px: float
 ) -> Outline | None:
     """Return the finger's outline near a guess, or None where no finger is.
 
-    `revealed`: what is neither hand nor free in it is another finger's, and not looked at;
+    `segmentation`: what is neither hand nor free in it is another finger's, and not looked at;
     `direction`: unit vector from joint to tip, as well as it is known; `radius_px`: of the tip.
     """
-    part = _around(revealed, guess)
+    part = _around(segmentation, guess)
     own = (part.hand | part.free) & (depth[part.rows, part.columns] > 0)
     if own.size == 0:
         return None
@@ -122,10 +122,10 @@ def _misfit(found: Outline, radius_px: float) -> float:
     return radius_px if math.isnan(found.width_px) else abs(found.width_px - 2.0 * radius_px)
 
 
-def _around(revealed: Revealed, guess: Pixel) -> Revealed:
-    column, row = (round(each) for each in revealed.inside(guess))
+def _around(segmentation: Segmentation, guess: Pixel) -> Segmentation:
+    column, row = (round(each) for each in segmentation.inside(guess))
     rows = slice(max(row - VIEW_PX, 0), max(row + VIEW_PX, 0))
-    return revealed.cut((rows, slice(max(column - VIEW_PX, 0), max(column + VIEW_PX, 0))))
+    return segmentation.cut((rows, slice(max(column - VIEW_PX, 0), max(column + VIEW_PX, 0))))
 
 
 def _midline(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[Pixel, Pixel]:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
-from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.sightings import Pixel
-from halo_service.sensing.straight import Grid, grid, nearest
+from halo_service.sensing.detections import Pixel
+from halo_service.sensing.finger_frame import Grid, grid, nearest
+from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Angles(NamedTuple):
 
 def angles(
     depth: Depth,
-    revealed: Revealed,
+    segmentation: Segmentation,
     tip: Pixel,
     direction: Pixel,
     camera: Camera,
@@ -66,7 +66,7 @@ def angles(
 
     `tip`: the silhouette's end, px; `direction`: unit vector towards it.
     """
-    ridge = _ridge(depth, revealed, tip, direction)
+    ridge = _ridge(depth, segmentation, tip, direction)
     if ridge is None:
         return None
     px, depth_mm = ridge
@@ -83,26 +83,28 @@ def angles(
     return Angles(pitch, math.degrees(math.atan2(across, -forward)))
 
 
-def height_behind(revealed: Revealed, tip_px: Pixel, direction: Pixel, back_px: float) -> float:
+def height_behind(
+    segmentation: Segmentation, tip_px: Pixel, direction: Pixel, back_px: float
+) -> float:
     """Return how high the upper side is so far behind the tip, mm; nan where unmeasured.
 
     Read against the empty surface seen in the same pixels, so that what the camera always reads
     wrongly there cancels out.
     """
     at = Grid(NAIL.along - np.float32(back_px), NAIL.across)
-    read = nearest(revealed.excess_mm, revealed.inside(tip_px), direction, at, 0.0)
+    read = nearest(segmentation.excess_mm, segmentation.inside(tip_px), direction, at, 0.0)
     count = np.count_nonzero(read)
     return -float(read.sum()) / count if count else math.nan
 
 
 def _ridge(
-    depth: Depth, revealed: Revealed, tip: Pixel, direction: Pixel
+    depth: Depth, segmentation: Segmentation, tip: Pixel, direction: Pixel
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
     dx, dy = direction
-    around = depth[revealed.rows, revealed.columns]
-    finger = np.where(np.logical_and(around, revealed.hand), around, np.float32(FAR))
-    seen = nearest(finger, revealed.inside(tip), direction, AT, FAR)
+    around = depth[segmentation.rows, segmentation.columns]
+    finger = np.where(np.logical_and(around, segmentation.hand), around, np.float32(FAR))
+    seen = nearest(finger, segmentation.inside(tip), direction, AT, FAR)
     crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
     count = np.count_nonzero(crest, axis=1)
     rows = count >= LEAST_PX

@@ -8,20 +8,20 @@ from dataclasses import dataclass, replace
 
 from halo_service.profile import Profile, TouchStates
 from halo_service.sensing.background import excess_depth
-from halo_service.sensing.fingers import Memory, claim, expect, is_better, is_there, sighted
 from halo_service.sensing.fingertips import locate
-from halo_service.sensing.revealer import Revealed, reveal
-from halo_service.sensing.ridge import height_behind
-from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.territory import (
-    Expected,
-    Shares,
+from halo_service.sensing.label_pixels import (
+    Labels,
+    Prediction,
     around,
     is_finger,
-    share,
+    label_pixels,
+    pixels_of,
     strip_end,
-    territory,
 )
+from halo_service.sensing.ridge import height_behind
+from halo_service.sensing.segmentation import Segmentation, segment
+from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.tracks import Track, claim, detection_at, is_better, is_there, predict
 from halo_service.values import Fingertip, Frame
 
 LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
@@ -34,13 +34,13 @@ class Scene:
     """What all fingers of a frame are sought in."""
 
     frame: Frame
-    places: tuple[Expected, ...]
+    places: tuple[Prediction, ...]
     """By each finger's own path."""
-    claims: tuple[Expected | None, ...]
+    claims: tuple[Prediction | None, ...]
     """By the tracker, where it has lately seen a finger that has a path."""
-    revealed: Revealed
+    segmentation: Segmentation
     """The part around all of these places."""
-    shares: Shares
+    labels: Labels
     profile: Profile
     settings: SensingSettings
 
@@ -50,7 +50,7 @@ class Found:
     """One finger in the present frame."""
 
     tip: Fingertip
-    own: Revealed
+    own: Segmentation
     """The scene as far as it is this finger's."""
     followed: bool
     """Along its path, rather than where the tracker saw it anew."""
@@ -58,29 +58,31 @@ class Found:
 
 def look(
     frame: Frame,
-    fingers: Sequence[Memory],
+    fingers: Sequence[Track],
     profile: Profile,
     settings: SensingSettings,
     drift_mm: float,
 ) -> Scene:
     """Reveal what is around the fingers. `drift_mm`: see `excess_depth`."""
-    places = tuple(expect(finger, frame.time_us) for finger in fingers)
+    places = tuple(predict(finger, frame.time_us) for finger in fingers)
     claims = tuple(claim(finger, frame.time_us) for finger in fingers)
     part = around((*places, *(each for each in claims if each)), frame.depth.shape)
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
     rows, columns = part
     threshold_mm = profile.halo_threshold_mm
-    revealed = reveal(excess_mm, settings, threshold_mm, columns.start, rows.start)
-    return Scene(frame, places, claims, revealed, share(places, revealed), profile, settings)
+    segmentation = segment(excess_mm, settings, threshold_mm, columns.start, rows.start)
+    return Scene(
+        frame, places, claims, segmentation, label_pixels(places, segmentation), profile, settings
+    )
 
 
-def find(finger: Memory, number: int, scene: Scene, states: TouchStates) -> Found | None:
+def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found | None:
     """Return a fingertip in the present frame, None where none shows."""
     expected, claimed = scene.places[number], scene.claims[number]
-    own = territory(scene.revealed, scene.shares, number, expected)
+    own = pixels_of(scene.segmentation, scene.labels, number, expected)
     tip = _tip(finger, expected, own, scene, states)
-    if claimed is not None and (tip is None or finger.doubted):
-        there = territory(scene.revealed, scene.shares, number, claimed)
+    if claimed is not None and (tip is None or finger.off_path):
+        there = pixels_of(scene.segmentation, scene.labels, number, claimed)
         seen = _tip(finger, claimed, there, scene, states)
         if seen and is_there(finger, claimed, expected, seen) and is_better(finger, seen, tip):
             return Found(seen, there, followed=False)
@@ -91,11 +93,11 @@ def find(finger: Memory, number: int, scene: Scene, states: TouchStates) -> Foun
 
 
 def _tip(
-    finger: Memory, place: Expected, own: Revealed, scene: Scene, states: TouchStates
+    finger: Track, place: Prediction, own: Segmentation, scene: Scene, states: TouchStates
 ) -> Fingertip | None:
     """Return the fingertip about a place, or None where no finger is."""
     tip = locate(
-        sighted(finger, place),
+        detection_at(finger, place),
         own,
         scene.frame.depth,
         scene.profile,

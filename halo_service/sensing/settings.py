@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from halo_service.sensing.sightings import Fingers
+from halo_service.sensing.detections import Fingers
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.sensing.sightings import Pixel
-from halo_service.sensing.straight import moved
+from halo_service.sensing.detections import Pixel
+from halo_service.sensing.finger_frame import moved
 
 ROI_PX = 22
 """Half the window in which the silhouette's end is sought: a fast finger's way in one frame."""

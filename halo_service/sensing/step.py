@@ -11,28 +11,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from halo_service.profile import Profile
+from halo_service.sensing.association import associate
 from halo_service.sensing.background import Drift, follow_drift
 from halo_service.sensing.correction import correct, dent_at_pitch, dent_strength
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.dent import dent_under
+from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract
-from halo_service.sensing.fingers import (
-    Memory,
+from halo_service.sensing.pointers import describe, edge, follow, within_reach
+from halo_service.sensing.scene import Scene, find, look
+from halo_service.sensing.segmentation import Segmentation
+from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.states import touch_level
+from halo_service.sensing.tracks import (
     Past,
+    Track,
     along,
     changes,
+    coast,
     doubt,
-    is_left_behind,
-    waiting,
+    is_abandoned,
 )
-from halo_service.sensing.meeting import meet
-from halo_service.sensing.pointers import describe, edge, follow, within_reach
-from halo_service.sensing.revealer import Revealed
-from halo_service.sensing.scene import Scene, find, look
-from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.sightings import sightings
-from halo_service.sensing.states import touch_level
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
 
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
@@ -46,7 +46,7 @@ class State:
     profile: Profile | None
     """None before any calibration: frames then have no pointers."""
     settings: SensingSettings
-    fingers: tuple[Memory, ...] = ()
+    fingers: tuple[Track, ...] = ()
     next_id: int = 1
     drift: Drift = Drift()  # noqa: RUF009 - frozen, so one default serves all
 
@@ -61,9 +61,9 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     profile, settings = state.profile, state.settings
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
-    known = meet(state.fingers, sightings(tracked, settings.fingers), state.next_id)
+    known = associate(state.fingers, detections(tracked, settings.fingers), state.next_id)
     scene = look(frame, known, profile, settings, state.drift.offset_mm)
-    fingers: list[Memory] = []
+    fingers: list[Track] = []
     events: list[TouchEvent] = []
     for number, before in enumerate(known):
         finger = follow_finger(before, number, scene)
@@ -76,16 +76,16 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     return told, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
 
 
-def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
+def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
     """Take one finger through all stages into the present frame; None when it is gone."""
     profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
     states = profile.states(before.side)
     assert states is not None  # `step` senses with a whole profile alone
-    if is_left_behind(before, now_us):
+    if is_abandoned(before, now_us):
         return None
     found = find(before, number, scene, states)
     if found is None:
-        return waiting(before, now_us, settings)
+        return coast(before, now_us, settings)
     tip = found.tip
     signal = measure(found.own, tip, profile)
     level = touch_level(signal, states)
@@ -106,11 +106,11 @@ def follow_finger(before: Memory, number: int, scene: Scene) -> Memory | None:
     )
 
 
-def measure(revealed: Revealed, tip: Fingertip, profile: Profile) -> Signal:
+def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:
     """Read the halo around one fingertip."""
-    raw = extract(revealed, tip)
+    raw = extract(segmentation, tip)
     known = profile.correction
-    dent_mm = dent_under(revealed, tip, profile) / dent_strength(known, *tip.pad_mm)
+    dent_mm = dent_under(segmentation, tip, profile) / dent_strength(known, *tip.pad_mm)
     pressed_mm = dent_mm / dent_at_pitch(known, tip.pitch_deg)
     return Signal(raw, correct(raw, tip, known), dent_mm, pressed_mm)
 
@@ -128,7 +128,7 @@ def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
 
 
 def _frame(
-    state: State, time_us: int, fingers: Sequence[Memory], events: Sequence[TouchEvent]
+    state: State, time_us: int, fingers: Sequence[Track], events: Sequence[TouchEvent]
 ) -> TouchFrame:
     surface = state.profile.surface if state.profile else None
     name, width_mm, height_mm = (

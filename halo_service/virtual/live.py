@@ -25,8 +25,8 @@ from halo_service.geometry.surface import Surface
 from halo_service.values import BadFrame, Frame, SourceKind
 from halo_service.virtual import worker
 from halo_service.virtual.camera import factory
-from halo_service.virtual.naming import Wish
 from halo_service.virtual.ring import RING_BYTES, Ring
+from halo_service.virtual.sim_url import SimRequest
 
 START_S = 20.0
 """A worker that has not shown a frame by then has hung; usual is under 2 s."""
@@ -50,21 +50,23 @@ class VirtualKinect:
 
     kind: Final[SourceKind] = "virtual"
 
-    def __init__(self, wish: Wish, *, colour: bool = True, truth_path: str | None = None) -> None:
+    def __init__(
+        self, request: SimRequest, *, colour: bool = True, truth_path: str | None = None
+    ) -> None:
         """Start the worker; the first frame follows within about two seconds.
 
         `truth_path` writes the truth beside, one JSON line a frame and a touch.
         """
         self.camera = factory()
-        self.surface: Surface = wish.room.surface()
-        self.room = wish.room
+        self.surface: Surface = request.room.surface()
+        self.room = request.room
         self._memory = SharedMemory(create=True, size=RING_BYTES)
         self._ring = Ring(self._memory)
         context = multiprocessing.get_context("spawn")
         self._pipe, far_end = context.Pipe()
         self._process = context.Process(
             target=worker.run,
-            args=(far_end, self._memory.name, wish, colour, truth_path),
+            args=(far_end, self._memory.name, request, colour, truth_path),
             name="virtual-kinect",
             daemon=True,
         )

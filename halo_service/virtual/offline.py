@@ -10,9 +10,9 @@ from halo_service.errors import UserError
 from halo_service.values import Frame
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import Wish
-from halo_service.virtual.plays import ENDING, play
+from halo_service.virtual.scenarios import ENDING, play
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import SimRequest
 
 START_US = 500_000
 """Timestamp of the first frame: a device's clock does not start at 0."""
@@ -31,25 +31,25 @@ class Take:
 
     def __init__(
         self,
-        wish: Wish,
+        request: SimRequest,
         seconds: float | None = None,
         *,
         colour: bool = True,
         colour_times: int = 1,
     ) -> None:
         """`colour_times`: see `Sensor`; 2 is what a live virtual Kinect shows."""
-        if seconds is None and wish.scenario not in ENDING:
+        if seconds is None and request.scenario not in ENDING:
             raise UserError(
-                f"The scenario {wish.scenario!r} never ends by itself; give its length in seconds."
+                f"The scenario {request.scenario!r} never ends by itself; give its length in s."
             )
         if seconds is not None and not 0.0 < seconds < 1e6:
             raise UserError(f"A recording cannot be {seconds:g} s long; give more than 0.")
         self.expected_frames: int | None = None if seconds is None else round(seconds * FPS)
         """None where the scenario itself decides."""
-        self._room = wish.room
-        self._play = play(wish.scenario, wish.room)
+        self._room = request.room
+        self._play = play(request.scenario, request.room)
         times = colour_times if colour else 0
-        self._sensor = Sensor(wish.room, colour_times=times, started_us=START_US)
+        self._sensor = Sensor(request.room, colour_times=times, started_us=START_US)
         self.camera, self.surface = self._sensor.camera, self._sensor.surface
 
     def __iter__(self) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
@@ -84,7 +84,7 @@ class Take:
 
 
 def frames(
-    wish: Wish, seconds: float | None = None, *, colour: bool = True
+    request: SimRequest, seconds: float | None = None, *, colour: bool = True
 ) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
     """What a `Take` yields, for those who need no script."""
-    return iter(Take(wish, seconds, colour=colour))
+    return iter(Take(request, seconds, colour=colour))

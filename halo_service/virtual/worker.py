@@ -25,10 +25,10 @@ import numpy as np
 from halo_service.errors import UserError
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import Wish
-from halo_service.virtual.plays import play
 from halo_service.virtual.ring import Ring
+from halo_service.virtual.scenarios import play
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import SimRequest
 
 JITTER_S = 0.0007
 """Of the exposures, one sigma; chosen."""
@@ -37,7 +37,11 @@ LIVE_COLOUR_TIMES = 2
 
 
 def run(
-    pipe: Connection, memory_name: str, wish: Wish, colour: bool, truth_path: str | None
+    pipe: Connection,
+    memory_name: str,
+    request: SimRequest,
+    colour: bool,
+    truth_path: str | None,
 ) -> None:
     """Play a scenario for ever, or until the pipe closes."""
     # A whole process group is told to stop; ending is the parent's affair.
@@ -48,7 +52,7 @@ def run(
     ring = Ring(memory)
     try:
         with Path(truth_path).open("w") if truth_path else nullcontext() as log:
-            _Camera(pipe, ring, wish, colour, log).run()
+            _Camera(pipe, ring, request, colour, log).run()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         pass  # the parent has gone: the normal end
     except UserError as error:
@@ -65,15 +69,22 @@ class _Camera:
     """The device: exposes, draws and hands over one frame after the other."""
 
     def __init__(
-        self, pipe: Connection, ring: Ring, wish: Wish, colour: bool, log: TextIO | None
+        self,
+        pipe: Connection,
+        ring: Ring,
+        request: SimRequest,
+        colour: bool,
+        log: TextIO | None,
     ) -> None:
         self._pipe, self._ring, self._log = pipe, ring, log
-        self._drop = wish.room.drop
-        self._rng = np.random.default_rng([wish.room.seed, 3])
-        self._play = play(wish.scenario, wish.room)
+        self._drop = request.room.drop
+        self._rng = np.random.default_rng([request.room.seed, 3])
+        self._play = play(request.scenario, request.room)
         switched_on_us = round(time.time() * 1e6)
         self._sensor = Sensor(
-            wish.room, colour_times=LIVE_COLOUR_TIMES if colour else 0, started_us=switched_on_us
+            request.room,
+            colour_times=LIVE_COLOUR_TIMES if colour else 0,
+            started_us=switched_on_us,
         )
         # Once for nothing, so that what is built at first use does not hold up a frame.
         stage = self._play.at(0.0)

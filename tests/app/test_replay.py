@@ -19,8 +19,8 @@ from halo_service.profile.store import save
 from halo_service.sensing.pointers import describe
 from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchFrame
 from halo_service.virtual.camera import factory
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import frames
+from halo_service.virtual.sim_url import parse_sim_url
 
 SECONDS = 5.0
 
@@ -29,15 +29,15 @@ SECONDS = 5.0
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of the virtual demo, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("session")
-    wished = wish("sim:demo?seed=3")
+    request = parse_sim_url("sim:demo?seed=3")
     truth = []
     with Recorder(folder / "take.mkv", factory(), fps=30, colour=True) as recorder:
-        for frame, lines in frames(wished, SECONDS):
+        for frame, lines in frames(request, SECONDS):
             if frame is not None:
                 recorder.write(frame)
             truth += lines
     (folder / "truth.json").write_text(json.dumps(truth))
-    save(virtual_profile(wished.room, Settings()), folder / "profile")
+    save(virtual_profile(request.room, Settings()), folder / "profile")
     return folder
 
 

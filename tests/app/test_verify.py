@@ -21,7 +21,7 @@ from halo_service.app.virtual_profile import virtual_profile
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector
 from halo_service.profile.store import load, save
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 SIM = "sim:idle?seed=202&material=paper"
 
@@ -34,7 +34,7 @@ def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A calibrated profile of a few centimetres: four crossings, so that a test is short."""
-    room = wish(SIM).room
+    room = parse_sim_url(SIM).room
     profile = virtual_profile(room, Settings())
     corner = np.eye(4)
     corner[:3, 3] = (120.0, 80.0, 0.0)

@@ -17,7 +17,7 @@ from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_service.app.cli import main
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
@@ -25,13 +25,13 @@ from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame
 from halo_service.virtual.camera import FPS, factory
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import frames
-from halo_service.virtual.plays import play
+from halo_service.virtual.scenarios import play
+from halo_service.virtual.sim_url import parse_sim_url
 
 pytestmark = pytest.mark.slow
 
-SIM = wish("sim:calibration?seed=4")
+SIM = parse_sim_url("sim:calibration?seed=4")
 SWEEP_S = 13.6
 """Four of the six rows: enough, and a third less to draw."""
 BEFORE_S = 0.5
@@ -117,7 +117,7 @@ def calibrate(take: Path) -> Iterator[Callable[..., Profile]]:
     def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
         settings = Settings()
         with closing(Without(Recording(take, realtime=False, loop=False), *lost)) as source:
-            eyes = Eyes(source.camera, None, replace(settings.tracking, max_hands=1))
+            eyes = HandDetector(source.camera, None, replace(settings.tracking, max_hands=1))
             try:
                 setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
                 scripted = Scripted(setup, Session(source), lambda known: eyes.look, print)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards import Projected, crosses
+from halo_calibration.detect_boards import Seen
 from halo_calibration.errors import Refused
 from halo_calibration.graycode import Decoded, count, decode, patterns
 from halo_calibration.projector_solver import (
@@ -12,7 +13,6 @@ from halo_calibration.projector_solver import (
     projector_by_touches,
     projector_of,
 )
-from halo_calibration.sighting import Seen
 from halo_service.geometry.camera import Lens
 from halo_service.geometry.surface import Surface
 from halo_service.virtual.projector import Projector

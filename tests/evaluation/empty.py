@@ -12,9 +12,9 @@ from halo_service.evaluation.matrix import CALIBRATION, Person, Task
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Tracked
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import Take
-from halo_service.virtual.plays.calibration import BACKGROUND_S
+from halo_service.virtual.scenarios.calibration import BACKGROUND_S
+from halo_service.virtual.sim_url import parse_sim_url
 
 PERSON = Person(205, "paper")
 SHORT = Task("short", "demo", 0.5, ends=False)
@@ -36,7 +36,9 @@ def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Look]
 def studio_in(folder: Path) -> Studio:
     """Keep a person's empty table there, and nothing else."""
     studio = Studio(folder, blind, "nobody")
-    empty = Take(wish(f"sim:idle?seed={PERSON.seed}&material=paper"), BACKGROUND_S, colour=False)
+    empty = Take(
+        parse_sim_url(f"sim:idle?seed={PERSON.seed}&material=paper"), BACKGROUND_S, colour=False
+    )
     captures = [keep_whole(frame, Tracked(0, ())) for frame, _ in empty if frame is not None]
     made = studio.made(PERSON, CALIBRATION)
     save(studio.path(PERSON, CALIBRATION), Kept(tuple(captures), (), SCRIPT), made)

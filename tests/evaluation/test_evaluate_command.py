@@ -14,7 +14,7 @@ from halo_service.app.cli import main
 from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.profile.store import load, save
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("desk")
     taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
     assert main(["simulate", "idle?seed=205", *taken, "--seconds", "0.3"]) == 0
-    save(virtual_profile(wish("sim:idle?seed=205").room, Settings()), folder / "profile")
+    save(virtual_profile(parse_sim_url("sim:idle?seed=205").room, Settings()), folder / "profile")
     return folder
 
 

@@ -29,7 +29,7 @@ from halo_service.evaluation.scores.threshold import (
 from halo_service.evaluation.scores.touches import score_touches
 from halo_service.evaluation.scores.truth import read_truth
 from halo_service.values import Finger, Touch
-from halo_service.virtual.plays.typing import keys
+from halo_service.virtual.scenarios.typing import keys
 from tests.evaluation.scored import (
     FRAME_US,
     SURFACE,

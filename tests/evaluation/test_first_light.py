@@ -20,7 +20,7 @@ from halo_service.profile import Profile, StepRecord
 from halo_service.profile.store import save
 from halo_service.values import BadFrame, Frame
 from halo_service.virtual.camera import factory
-from halo_service.virtual.plays.study import targets
+from halo_service.virtual.scenarios.study import targets
 
 FRAME_US = 33_333
 UNIX_US = 1_700_000_000_000_000

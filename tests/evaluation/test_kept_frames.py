@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from halo_service.app.config import Settings
-from halo_service.app.eyes import Eyes
+from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.evaluation.kept import Capture, Kept, keep, load, reach_of, restore, save
 from halo_service.evaluation.together import Once, Remembered, together
 from halo_service.profile import Profile
 from halo_service.runtime.method import OURS
 from halo_service.values import Frame, Hand, Pointer, Side, TouchFrame
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import Take
+from halo_service.virtual.sim_url import parse_sim_url
 
 SECONDS = 8.2
 """Of pointing: three touches, the last one until 7.9 s."""
@@ -36,12 +36,12 @@ class Both:
 @pytest.fixture(scope="module")
 def both() -> Both:
     settings = Settings()
-    wished = wish("sim:pointing?seed=205&material=wood")
-    profile = virtual_profile(wished.room, settings)
-    take = Take(wished, SECONDS, colour_times=2)
+    request = parse_sim_url("sim:pointing?seed=205&material=wood")
+    profile = virtual_profile(request.room, settings)
+    take = Take(request, SECONDS, colour_times=2)
     captures: list[Capture] = []
     reach = reach_of(profile.surface, take.camera)
-    with closing(Eyes(take.camera, profile, settings.tracking)) as eyes:
+    with closing(HandDetector(take.camera, profile, settings.tracking)) as eyes:
         look = Once(eyes.look)
 
         def drawn() -> Iterator[Frame]:

@@ -24,8 +24,8 @@ from halo_service.outputs.recorder import Recorder
 from halo_service.profile import HeldState, Profile, TouchStates
 from halo_service.profile.store import save
 from halo_service.sources import EndOfSource
-from halo_service.virtual.naming import wish
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
 
 SECONDS = 0.5
 STAGES = {
@@ -47,12 +47,12 @@ STATES = TouchStates(
 
 @pytest.fixture(scope="module")
 def take() -> Take:
-    return draw("sim:pointing", wish("sim:pointing?seed=201"), SECONDS, lambda: None)
+    return draw("sim:pointing", parse_sim_url("sim:pointing?seed=201"), SECONDS, lambda: None)
 
 
 @pytest.fixture(scope="module")
 def profile(take: Take) -> Profile:
-    sensor = Sensor(wish("sim:pointing?seed=201").room, colour_times=0)
+    sensor = Sensor(parse_sim_url("sim:pointing?seed=201").room, colour_times=0)
     background = solve_background([sensor.frame(33_333 * k).depth for k in range(45)])
     surface = surface_from_view(solve_plane(background, take.camera))
     return Profile("bench", take.camera, surface, background, STATES, 1)

@@ -10,7 +10,7 @@ from halo_service.errors import UserError
 from halo_service.evaluation import matrix
 from halo_service.evaluation.matrix import REPORTED, TASKS, TUNED, Person, plan, quick_plan
 from halo_service.virtual.materials import STUDIED
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 
 def test_the_full_matrix_is_the_papers_twelve_users_on_five_materials() -> None:
@@ -41,8 +41,12 @@ def test_the_small_matrix_has_sixty_touches_on_three_materials() -> None:
 
 @pytest.mark.parametrize("task", matrix.KNOWN, ids=lambda task: task.name)
 def test_the_virtual_kinect_understands_every_task(task: matrix.Task) -> None:
-    wished = wish(Person(204, "foam").source(task))
-    assert (wished.scenario, wished.room.seed, wished.room.material) == (task.scenario, 204, "foam")
+    request = parse_sim_url(Person(204, "foam").source(task))
+    assert (request.scenario, request.room.seed, request.room.material) == (
+        task.scenario,
+        204,
+        "foam",
+    )
 
 
 def test_no_two_tasks_share_a_file() -> None:
@@ -55,7 +59,7 @@ def test_label_files_take_turns_and_their_paths_may_hold_anything(tmp_path: Path
         file.write_text("1,touchdown,5,5,1000\n1,touchend,0,0,1100\n")
     given = plan(users=(301, 302, 303), labels=files)
     played = [
-        wish(person.source(task)).room.labels
+        parse_sim_url(person.source(task)).room.labels
         for person, tasks in given.items()
         for task in tasks
         if task.scenario == "labels"

@@ -192,7 +192,7 @@ def test_place_by_what_was_asked_for_meets_no_goal():
     assert line_of("spatial error of hits", results) == "4.0 ± 0.0 mm from the target"
 
 
-def test_beside_what_was_told_wrongly_stands_what_was_missed_and_how_much_else_is_doubted():
+def test_tracker_thread_what_was_told_wrongly_stands_what_was_missed_and_how_much_else_is_doubted():
     results = [
         result(feinted(0.9), "awkward"),
         result(feinted(0.5, missed=True), "awkward"),

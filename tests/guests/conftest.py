@@ -83,14 +83,14 @@ class Session:
 def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
     """`sensed("sim:drumming?seed=3", 12.0)`; each is made once."""
     from halo_service.app.config import Settings
-    from halo_service.app.eyes import Eyes
+    from halo_service.app.hand_detector import HandDetector
     from halo_service.app.virtual_profile import virtual_profile
     from halo_service.outputs.jsonl import frame_line
-    from halo_service.runtime.lockstep import replay
     from halo_service.runtime.method import OURS
+    from halo_service.runtime.replay import replay
     from halo_service.sources import EndOfSource
-    from halo_service.virtual.naming import wish
     from halo_service.virtual.offline import Take
+    from halo_service.virtual.sim_url import parse_sim_url
 
     made: dict[str, Session] = {}
 
@@ -116,10 +116,10 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
 
     def make(name: str, seconds: float) -> Session:
         if name not in made:
-            wished, truth = wish(name), []
-            profile = virtual_profile(wished.room, Settings())
-            source = Played(Take(wished, seconds, colour=False), truth)
-            eyes = Eyes(source.camera, profile, Settings().tracking)
+            request, truth = parse_sim_url(name), []
+            profile = virtual_profile(request.room, Settings())
+            source = Played(Take(request, seconds, colour=False), truth)
+            eyes = HandDetector(source.camera, profile, Settings().tracking)
             try:
                 state = OURS.start(profile, Settings().sensing)
                 told = list(replay(source, eyes.look, OURS, state))

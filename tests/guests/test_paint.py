@@ -19,7 +19,7 @@ from halo_client import FileSource, Placing
 from halo_paint.brushes import BRUSHES, COLOURS, PAPER
 from halo_paint.canvas import Canvas
 from halo_paint.painter import Change, Painter
-from halo_paint.palette import CELLS, Wish
+from halo_paint.palette import CELLS, Action
 from halo_paint.render import painted, save, to_pixels
 from halo_paint.stroke import Stroke, whole
 from halo_paint.svg import to_svg
@@ -143,8 +143,10 @@ def test_undo_goes_back_over_a_clear(say: Any) -> None:
     for contacts in (1, 2):
         painted(arc(say, contacts), painter)
     counts = []
-    for number, wish in enumerate([Wish.CLEAR, Wish.UNDO, Wish.UNDO, Wish.UNDO, Wish.UNDO]):
-        painter.take(tap(say, *middle(wish), contacts=10 + number))
+    for number, action in enumerate(
+        [Action.CLEAR, Action.UNDO, Action.UNDO, Action.UNDO, Action.UNDO]
+    ):
+        painter.take(tap(say, *middle(action), contacts=10 + number))
         counts.append(len(painter.strokes))
     assert counts == [0, 2, 1, 0, 0]
 
@@ -240,11 +242,11 @@ def test_a_picture_that_is_neither_png_nor_svg_is_refused(say: Any, tmp_path: An
 def test_the_true_session_is_painted_as_it_was(say: Any) -> None:
     """The virtual painter's own path and force, as a service without error would tell them."""
     from halo_service.values import Finger
-    from halo_service.virtual.naming import wish
-    from halo_service.virtual.plays import play
+    from halo_service.virtual.scenarios import play
+    from halo_service.virtual.sim_url import parse_sim_url
 
-    wished = wish("sim:painting?seed=3")
-    performed = play(wished.scenario, wished.room)
+    request = parse_sim_url("sim:painting?seed=3")
+    performed = play(request.scenario, request.room)
     painter, contacts, before = Painter(), 0, False
     true: list[tuple[float, float]] = []
     widths: list[float] = []

@@ -12,9 +12,9 @@ import pytest
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile import Profile
-from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop
-from halo_service.runtime.vitals import Vitals
+from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import SensingSettings, State, start, step
 from halo_service.sources import EndOfSource, SourceLost
 from halo_service.values import BadFrame, Frame, SourceKind, Touch, TouchFrame, Tracked
@@ -55,7 +55,7 @@ class Listener:
     def __init__(self) -> None:
         self.sent: list[tuple[float, TouchFrame]] = []
         self.scenes = 0
-        self.vitals: list[Vitals] = []
+        self.vitals: list[Health] = []
 
     @property
     def frames(self) -> list[TouchFrame]:
@@ -67,7 +67,7 @@ class Listener:
     def scene(self, state: State) -> None:
         self.scenes += 1
 
-    def health(self, vitals: Vitals) -> None:
+    def health(self, vitals: Health) -> None:
         self.vitals.append(vitals)
 
 
@@ -93,7 +93,7 @@ def run(
     state: State | None = None,
 ) -> tuple[Listener, Scripted]:
     listener, source = Listener(), Scripted(script)
-    tracker = TrackerBeside(make) if make else None
+    tracker = TrackerThread(make) if make else None
     state = state or start(None, SensingSettings())
 
     def never() -> Scripted:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from halo_service.profile import Profile
 from halo_service.sensing import start, step
 from halo_service.sensing.dent import BELL_PX, dent_under
-from halo_service.sensing.revealer import Revealed, reveal
+from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Finger, Fingertip, Frame, Side, Tracked
 
@@ -36,8 +36,8 @@ def excess(deep_mm: float = DEEP_MM, beside_mm: float | None = None) -> NDArray[
     return seen.astype(np.float32)
 
 
-def revealed(seen: NDArray[np.float32]) -> Revealed:
-    return reveal(seen, SensingSettings(), 8.0)
+def segmentation(seen: NDArray[np.float32]) -> Segmentation:
+    return segment(seen, SensingSettings(), 8.0)
 
 
 def found(off_px: tuple[float, float] = (0.0, 0.0), at: tuple[float, float] = PAD_PX) -> Fingertip:
@@ -55,7 +55,7 @@ def found(off_px: tuple[float, float] = (0.0, 0.0), at: tuple[float, float] = PA
 def test_a_finger_found_a_little_off_reads_as_deep(
     profile: Profile, deep_mm: float, off_px: tuple[float, float]
 ) -> None:
-    read = dent_under(revealed(excess(deep_mm)), found(off_px), profile)
+    read = dent_under(segmentation(excess(deep_mm)), found(off_px), profile)
     assert read == pytest.approx(deep_mm, rel=0.04)
 
 
@@ -63,7 +63,7 @@ def test_a_finger_found_a_little_off_reads_as_deep(
 def test_what_lies_over_part_of_the_dent_or_is_unmeasured_is_left_out(
     profile: Profile, beside_mm: float
 ) -> None:
-    read = dent_under(revealed(excess(beside_mm=beside_mm)), found((0.0, 2.0)), profile)
+    read = dent_under(segmentation(excess(beside_mm=beside_mm)), found((0.0, 2.0)), profile)
     assert read == pytest.approx(DEEP_MM, rel=0.03)
 
 
@@ -74,27 +74,27 @@ def test_skin_that_reads_as_the_empty_surface_does_is_left_out(
     deep_mm, seen = 40.0, excess(40.0)
     away = np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1])
     seen[(away > FINGER_PX) & (away < FINGER_PX + 3) & (PAD_PX[0] < COLUMNS)] = 1.0
-    read = dent_under(revealed(seen), found(off_px), profile)
+    read = dent_under(segmentation(seen), found(off_px), profile)
     assert read == pytest.approx(deep_mm, rel=0.08)
 
 
 def test_an_undented_surface_reads_next_to_nothing(profile: Profile) -> None:
     noise = np.random.default_rng(1).normal(0.0, 1.5, (576, 640)).astype(np.float32)
-    read = dent_under(revealed(excess(0.0) + noise), found((0.0, 2.0)), profile)
+    read = dent_under(segmentation(excess(0.0) + noise), found((0.0, 2.0)), profile)
     assert abs(read) < 0.5
 
 
 @pytest.mark.parametrize("at", [PAD_PX, (-90.0, 288.0), (320.0, 900.0)])
 def test_a_hidden_dent_is_not_guessed(profile: Profile, at: tuple[float, float]) -> None:
     hidden = np.full((576, 640), -40.0, np.float32)
-    assert math.isnan(dent_under(revealed(hidden), found(at=at), profile))
+    assert math.isnan(dent_under(segmentation(hidden), found(at=at), profile))
 
 
 @pytest.mark.parametrize("hidden_px", [12.0, 14.0])
 def test_a_rim_of_a_dent_tells_no_depth(profile: Profile, hidden_px: float) -> None:
     seen = excess()
     seen[np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1]) < hidden_px] = -40.0
-    assert math.isnan(dent_under(revealed(seen), found(), profile))
+    assert math.isnan(dent_under(segmentation(seen), found(), profile))
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import pytest
 
 from halo_service.sensing.outline import Outline
 from halo_service.sensing.outline import outline as outline_of
-from halo_service.sensing.revealer import reveal
+from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.silhouette import stands_out
 
@@ -48,7 +48,7 @@ def outline(
     direction: tuple[float, float],
     radius_px: float,
 ) -> Outline | None:
-    return outline_of(reveal(picture, SETTINGS, 8.0), depth, guess, direction, radius_px)
+    return outline_of(segment(picture, SETTINGS, 8.0), depth, guess, direction, radius_px)
 
 
 MEASURED = np.full((576, 640), 500, np.uint16)

@@ -9,8 +9,8 @@ import pytest
 
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
-from halo_service.sensing.revealer import reveal
 from halo_service.sensing.ridge import TAPER_DEG, angles
+from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 
 DISTANCE_MM, RADIUS_PX = 500.0, 7
@@ -43,8 +43,8 @@ def test_pitch_and_yaw_are_those_of_the_upper_side(
     yaw = math.radians(yaw_deg + 6.0)  # the landmarks' direction is some degrees off
     direction = (math.sin(yaw), -math.cos(yaw))
     excess = (depth - DISTANCE_MM).astype(np.float32)
-    revealed = reveal(excess, SensingSettings(), 8.0)
-    found = angles(depth, revealed, (320.0, 288.0), direction, camera, profile.surface)
+    segmentation = segment(excess, SensingSettings(), 8.0)
+    found = angles(depth, segmentation, (320.0, 288.0), direction, camera, profile.surface)
     assert found is not None
     assert found.pitch_deg + TAPER_DEG == pytest.approx(pitch_deg, abs=4.0)
     assert found.yaw_deg == pytest.approx(yaw_deg, abs=3.5)
@@ -52,6 +52,6 @@ def test_pitch_and_yaw_are_those_of_the_upper_side(
 
 def test_where_no_finger_is_there_are_no_angles(camera: Camera, profile: Profile) -> None:
     empty = np.full((576, 640), 500, np.uint16)
-    nothing = reveal(np.zeros(empty.shape, np.float32), SensingSettings(), 8.0)
+    nothing = segment(np.zeros(empty.shape, np.float32), SensingSettings(), 8.0)
     for tip in ((320.0, 288.0), (-50.0, 700.0)):
         assert angles(empty, nothing, tip, (0.0, -1.0), camera, profile.surface) is None

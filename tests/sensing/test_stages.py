@@ -15,7 +15,7 @@ from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import force, touch_pressure
-from halo_service.sensing.revealer import reveal
+from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.silhouette import silhouette_end
 from halo_service.sensing.states import interpolate, touch_level
@@ -62,8 +62,8 @@ def test_excess_is_depth_less_background_and_nothing_where_nothing_was_measured(
     [(8.5, True, False), (8.0, False, False), (0.0, False, False), (-4.5, False, True)],
 )
 def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: bool) -> None:
-    revealed = reveal(np.full((1, 1), excess_mm, np.float32), SETTINGS, 8.0)
-    assert (bool(revealed.halo[0, 0]), bool(revealed.hand[0, 0])) == (halo, hand)
+    segmentation = segment(np.full((1, 1), excess_mm, np.float32), SETTINGS, 8.0)
+    assert (bool(segmentation.halo[0, 0]), bool(segmentation.hand[0, 0])) == (halo, hand)
 
 
 @pytest.mark.parametrize(
@@ -72,8 +72,8 @@ def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: b
     ids=["inside", "top left corner", "bottom right corner", "almost outside", "outside"],
 )
 def test_what_is_left_of_a_patch_stands_for_all_of_it(x: float, y: float, share: float) -> None:
-    revealed = reveal(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
-    signal = extract(revealed, tip_at(x, y))
+    segmentation = segment(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
+    signal = extract(segmentation, tip_at(x, y))
     assert signal == pytest.approx(share * 10.0 * FREE_PX)
 
 
@@ -81,7 +81,7 @@ def test_what_is_left_of_a_patch_stands_for_all_of_it(x: float, y: float, share:
 def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
     excess = np.full((576, 640), 10.0, np.float32)
     excess[hidden] = -30.0
-    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    signal = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
     assert signal == pytest.approx(10.0 * FREE_PX)
 
 
@@ -92,16 +92,16 @@ def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> 
     along = (columns - 320) * np.sin(yaw) - (rows - 288) * np.cos(yaw)
     across = (columns - 320) * np.cos(yaw) + (rows - 288) * np.sin(yaw)
     dent = (along > -10) & (along <= 10) & (across >= -15) & (across < 15)
-    revealed = reveal(np.where(dent, 10.0, 0.0).astype(np.float32), SETTINGS, 8.0)
+    segmentation = segment(np.where(dent, 10.0, 0.0).astype(np.float32), SETTINGS, 8.0)
     joint = (320.0 - 25.0 * np.sin(yaw), 288.0 + 25.0 * np.cos(yaw))
     tip = replace(tip_at(320, 288), distal_px=joint)
-    assert extract(revealed, tip) == pytest.approx(10.0 * FREE_PX, rel=0.07)
+    assert extract(segmentation, tip) == pytest.approx(10.0 * FREE_PX, rel=0.07)
 
 
 def test_pixels_under_the_threshold_are_not_summed() -> None:
     excess = np.full((576, 640), 7.9, np.float32)
     excess[288, 320] = 12.0
-    signal = extract(reveal(excess, SETTINGS, 8.0), tip_at(320, 288))
+    signal = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
     assert signal == pytest.approx(12.0 * FREE_PX / 600)
 
 

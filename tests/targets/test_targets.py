@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards import ANCHOR, SHEET
+from halo_calibration.detect_boards import detect
 from halo_calibration.pdf import Page, document
-from halo_calibration.sighting import detect
 from halo_calibration.targets import (
     CORNERS_MM,
     CROSS_MM,
@@ -19,7 +19,7 @@ from halo_calibration.targets import (
     sheets,
 )
 from halo_service.app.cli import main
-from halo_service.virtual.plays.study import targets
+from halo_service.virtual.scenarios.study import targets
 
 DPI = 300
 MM_PER_PX = 25.4 / DPI

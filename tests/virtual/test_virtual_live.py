@@ -13,7 +13,7 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.virtual.live import VirtualKinect
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 
 
 def alive(pid: int) -> bool:
@@ -45,7 +45,7 @@ def first(kinect: VirtualKinect):
 
 def test_frames_come_in_time_and_in_order_with_truth_beside(tmp_path):
     path = tmp_path / "truth.jsonl"
-    with VirtualKinect(wish("sim:demo?drop=0"), truth_path=str(path)) as kinect:
+    with VirtualKinect(parse_sim_url("sim:demo?drop=0"), truth_path=str(path)) as kinect:
         assert kinect.kind == "virtual"
         frame = first(kinect)
         assert frame.depth.shape == (576, 640)
@@ -68,7 +68,7 @@ def test_frames_come_in_time_and_in_order_with_truth_beside(tmp_path):
 
 
 def test_a_slow_reader_gets_the_newest_frame_and_memory_stays_bounded():
-    with VirtualKinect(wish("sim:idle?drop=0"), colour=False) as kinect:
+    with VirtualKinect(parse_sim_url("sim:idle?drop=0"), colour=False) as kinect:
         frame = first(kinect)
         assert frame.colour is None
         time.sleep(1.0)
@@ -78,7 +78,7 @@ def test_a_slow_reader_gets_the_newest_frame_and_memory_stays_bounded():
 
 
 def test_a_frame_stays_as_it_was_when_later_ones_are_written():
-    with VirtualKinect(wish("sim:demo"), colour=False) as kinect:
+    with VirtualKinect(parse_sim_url("sim:demo"), colour=False) as kinect:
         frame = first(kinect)
         copy = frame.depth.copy()
         time.sleep(0.4)
@@ -87,7 +87,7 @@ def test_a_frame_stays_as_it_was_when_later_ones_are_written():
 
 
 def test_closing_ends_the_worker_and_may_be_done_twice():
-    kinect = VirtualKinect(wish("sim:idle"), colour=False)
+    kinect = VirtualKinect(parse_sim_url("sim:idle"), colour=False)
     first(kinect)
     pid = kinect._process.pid
     kinect.close()
@@ -96,7 +96,7 @@ def test_closing_ends_the_worker_and_may_be_done_twice():
 
 
 def test_a_worker_that_dies_is_one_sentence():
-    with VirtualKinect(wish("sim:idle"), colour=False) as kinect:
+    with VirtualKinect(parse_sim_url("sim:idle"), colour=False) as kinect:
         first(kinect)
         os.kill(kinect._process.pid, signal.SIGKILL)
         with pytest.raises(UserError, match="ended unexpectedly"):
@@ -107,7 +107,7 @@ def test_a_worker_that_dies_is_one_sentence():
 def test_a_room_that_cannot_be_drawn_is_one_sentence(tmp_path):
     (tmp_path / "noise.png").write_bytes(b"no picture")
     with (
-        VirtualKinect(wish(f"sim:projector?projected={tmp_path}/noise.png")) as kinect,
+        VirtualKinect(parse_sim_url(f"sim:projector?projected={tmp_path}/noise.png")) as kinect,
         pytest.raises(UserError, match="cannot read"),
     ):
         for _ in range(20):
@@ -115,7 +115,7 @@ def test_a_room_that_cannot_be_drawn_is_one_sentence(tmp_path):
 
 
 def test_a_played_finger_appears_in_the_next_frames():
-    with VirtualKinect(wish("sim:hand?noise=0&drop=0"), colour=False) as kinect:
+    with VirtualKinect(parse_sim_url("sim:hand?noise=0&drop=0"), colour=False) as kinect:
         empty = first(kinect).depth.astype(int)
         kinect.tell((2, 1, 150.0, 100.0, 0.0, 100.0))
         end = time.monotonic() + 3.0
@@ -129,9 +129,9 @@ def test_a_played_finger_appears_in_the_next_frames():
 PARENT = """
 import sys, time
 from halo_service.virtual.live import VirtualKinect
-from halo_service.virtual.naming import wish
+from halo_service.virtual.sim_url import parse_sim_url
 if __name__ == "__main__":
-    kinect = VirtualKinect(wish("sim:idle"), colour=False)
+    kinect = VirtualKinect(parse_sim_url("sim:idle"), colour=False)
     while kinect.read(0.5) is None:
         pass
     print(kinect._process.pid, flush=True)

@@ -6,14 +6,14 @@ import numpy as np
 
 from halo_service.outputs.recorder import Recorder
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import wish
 from halo_service.virtual.offline import Take
+from halo_service.virtual.sim_url import parse_sim_url
 
 
 def test_ffmpeg_reads_equal_frames(stranger, tmp_path):
     ffmpeg = stranger("ffmpeg")
     path = tmp_path / "demo.mkv"
-    take = Take(wish("sim:demo?seed=2"), 0.4)
+    take = Take(parse_sim_url("sim:demo?seed=2"), 0.4)
     drawn = []
     with Recorder(path, take.camera, fps=FPS, colour=True) as recorder:
         for frame, _ in take:

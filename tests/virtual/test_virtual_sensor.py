@@ -11,12 +11,12 @@ from halo_service.values import Finger, Frame, Side
 from halo_service.virtual.bodies import cup
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS
-from halo_service.virtual.naming import wish
 from halo_service.virtual.noise import DRIFT_MM
 from halo_service.virtual.offline import START_US, Take, frames
 from halo_service.virtual.pictures import show
 from halo_service.virtual.room import Room, draw_room
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.skeleton import FingerPose, posed
 
 QUIET = Room(noise=0.0)
@@ -37,7 +37,7 @@ def same(one: Frame, other: Frame) -> bool:
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not():
-    one, again, other = (list(frames(wish("sim:demo", seed=s), 0.5)) for s in (5, 5, 6))
+    one, again, other = (list(frames(parse_sim_url("sim:demo", seed=s), 0.5)) for s in (5, 5, 6))
     for (frame, lines), (frame_again, lines_again) in zip(one, again, strict=True):
         assert lines == lines_again
         assert (frame is None) == (frame_again is None)
@@ -56,7 +56,7 @@ def test_a_frame_does_not_depend_on_the_frames_before_it():
 
 def test_one_seed_is_one_room_over_all_scenarios():
     for scenario in ("demo", "calibration", "pointing", "drumming"):
-        assert wish(f"sim:{scenario}", seed=9).room == draw_room(9)
+        assert parse_sim_url(f"sim:{scenario}", seed=9).room == draw_room(9)
 
 
 def test_overriding_one_thing_leaves_the_others_as_they_were():
@@ -234,7 +234,7 @@ def test_a_picture_file_is_thrown(tmp_path):
 
 
 def test_dropped_frames_are_told_and_time_goes_on():
-    taken = list(frames(wish("sim:idle?drop=0.3&seed=4"), 4.0, colour=False))
+    taken = list(frames(parse_sim_url("sim:idle?drop=0.3&seed=4"), 4.0, colour=False))
     kept = [frame for frame, _ in taken if frame is not None]
     assert len(taken) == 120
     assert 60 < len(kept) < 105
@@ -246,10 +246,10 @@ def test_dropped_frames_are_told_and_time_goes_on():
 
 def test_a_take_ends_by_itself_or_asks_for_its_length():
     with pytest.raises(UserError, match="never ends by itself"):
-        Take(wish("sim:demo"))
+        Take(parse_sim_url("sim:demo"))
     for seconds in (0.0, -1.0, float("nan")):
         with pytest.raises(UserError, match="cannot be"):
-            Take(wish("sim:demo"), seconds)
+            Take(parse_sim_url("sim:demo"), seconds)
 
 
 def test_nothing_of_the_truth_is_in_a_frame():

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from halo_service.errors import UserError
-from halo_service.virtual.naming import wish
 from halo_service.virtual.projector import Projector
 from halo_service.virtual.props import printed, standing
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
 
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
 SIDE_MM, EDGE_MM = 60.0, 10.0
@@ -149,7 +149,7 @@ def test_a_camera_out_of_focus_blurs_and_a_long_exposure_whitens():
 def test_a_sheet_can_be_asked_for_by_a_file(tmp_path):
     path = tmp_path / "marker.png"
     cv2.imwrite(str(path), marker())
-    (sheet,) = wish(f"sim:idle?sheets={path}@150,100,80,12").room.sheets
+    (sheet,) = parse_sim_url(f"sim:idle?sheets={path}@150,100,80,12").room.sheets
     assert (sheet.x_mm, sheet.y_mm, sheet.width_mm, sheet.turn_deg) == (150.0, 100.0, 80.0, 12.0)
     assert sheet.height_mm == pytest.approx(80.0)
     for bad, why in (
@@ -157,4 +157,4 @@ def test_a_sheet_can_be_asked_for_by_a_file(tmp_path):
         ("/nowhere.png@1,2,3", "finds no picture"),
     ):
         with pytest.raises(UserError, match=why):
-            wish(f"sim:idle?sheets={bad}")
+            parse_sim_url(f"sim:idle?sheets={bad}")

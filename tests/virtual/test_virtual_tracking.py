@@ -8,9 +8,9 @@ import itertools
 import numpy as np
 import pytest
 
-from halo_service.tracking.blend import ColourWarp, blend
-from halo_service.tracking.hands import HandTracker
-from halo_service.tracking.model import hand_model
+from halo_service.hand_tracking.blend import ColourWarp, blend
+from halo_service.hand_tracking.hands import HandTracker
+from halo_service.hand_tracking.model import hand_model
 from halo_service.values import Finger
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS

@@ -13,7 +13,7 @@ from enum import Enum, auto
 from halo_client import Began, Ended, Moved, TouchKey, touches
 from halo_client.placing import HEIGHT_MM, WIDTH_MM
 from halo_paint.brushes import BRUSHES, COLOURS, Brush, Colour
-from halo_paint.palette import Cell, Wish, cell_at
+from halo_paint.palette import Action, Cell, cell_at
 from halo_paint.stroke import Stroke
 from halo_protocol import TouchFrame
 
@@ -122,11 +122,11 @@ class Painter:
     def _choose(self, cell: Cell) -> list[News]:
         if isinstance(cell.means, Brush):
             self.brush = cell.means
-        elif cell.means is Wish.UNDO:
+        elif cell.means is Action.UNDO:
             return self.undo()
-        elif cell.means is Wish.CLEAR:
+        elif cell.means is Action.CLEAR:
             return self.clear()
-        elif cell.means is Wish.SAVE:
+        elif cell.means is Action.SAVE:
             return [(Change.SAVE, None)]
         else:
             self.colour = cell.means

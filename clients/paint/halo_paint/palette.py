@@ -14,7 +14,7 @@ STRIP = 0.065
 """Width of either strip over the surface's, about a finger's."""
 
 
-class Wish(Enum):
+class Action(Enum):
     """What one can ask for beside colours and brushes."""
 
     UNDO = "undo"
@@ -28,10 +28,10 @@ class Cell:
 
     area: tuple[float, float, float, float]
     """Left, far, right and near edge over the surface's width and height."""
-    means: Colour | Brush | Wish
+    means: Colour | Brush | Action
 
 
-def _column(left: float, right: float, meanings: tuple[Colour | Brush | Wish, ...]) -> list[Cell]:
+def _column(left: float, right: float, meanings: tuple[Colour | Brush | Action, ...]) -> list[Cell]:
     count = len(meanings)
     return [
         Cell((left, n / count, right, (n + 1) / count), means) for n, means in enumerate(meanings)
@@ -40,7 +40,7 @@ def _column(left: float, right: float, meanings: tuple[Colour | Brush | Wish, ..
 
 CELLS = (
     *_column(0.0, STRIP, COLOURS),
-    *_column(1.0 - STRIP, 1.0, (*BRUSHES, Wish.UNDO, Wish.CLEAR, Wish.SAVE)),
+    *_column(1.0 - STRIP, 1.0, (*BRUSHES, Action.UNDO, Action.CLEAR, Action.SAVE)),
 )
 
 

@@ -13,7 +13,7 @@ from halo_client import Placing
 from halo_paint.brushes import PAPER, Brush, Colour
 from halo_paint.canvas import Canvas, over
 from halo_paint.painter import Change, News, Painter
-from halo_paint.palette import CELLS, Cell, Wish
+from halo_paint.palette import CELLS, Action, Cell
 from halo_paint.stroke import Stroke
 from halo_paint.sweep import Box, sweep
 from halo_protocol import Pointer
@@ -91,7 +91,7 @@ class View:
         centre, scale = self._pixel(*middle), self._scale(*middle)
         if isinstance(cell.means, Brush):
             self._sample(screen, cell.means, painter, *middle)
-        elif isinstance(cell.means, Wish):
+        elif isinstance(cell.means, Action):
             words = self._font.render(cell.means.value, True, INK)
             screen.blit(words, words.get_rect(center=centre))
         else:

@@ -13,10 +13,10 @@ from halo_service.evaluation.latency.handed import Player
 from halo_service.evaluation.latency.listener import Heard, Listener
 from halo_service.evaluation.latency.sequential import Sequential
 from halo_service.evaluation.latency.stopwatch import Row, Stopwatch
-from halo_service.runtime.beside import TrackerBeside
+from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.live import Publisher as Publishes
-from halo_service.runtime.vitals import Vitals
+from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import State
 from halo_service.sources import Source
 from halo_service.values import TouchFrame
@@ -62,7 +62,7 @@ class Block:
 class Parts(Protocol):
     """What the app hands in: the parts of the service as it really runs."""
 
-    def tracker(self) -> TrackerBeside:
+    def tracker(self) -> TrackerThread:
         """The hand tracker in its thread."""
 
     def state(self) -> State:
@@ -91,7 +91,7 @@ class _Told:
     def scene(self, state: State) -> None:
         self._publisher.scene(state)
 
-    def health(self, vitals: Vitals) -> None:
+    def health(self, vitals: Health) -> None:
         if vitals.tracker_ms >= 0.0:
             self.hands_ms.append(vitals.tracker_ms)
         self._publisher.health(vitals)

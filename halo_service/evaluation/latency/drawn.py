@@ -11,9 +11,9 @@ from halo_service.evaluation.latency.handed import Handed, handed
 from halo_service.geometry.camera import Camera
 from halo_service.values import SourceKind
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.naming import Wish
-from halo_service.virtual.plays import play
+from halo_service.virtual.scenarios import play
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import SimRequest
 
 OPENING_S = 3.5
 """Scenarios begin with an empty table; hands are there by then."""
@@ -41,13 +41,13 @@ class Take:
     """None where nobody knows the truth."""
 
 
-def draw(name: str, wish: Wish, seconds: float, tick: Callable[[], object]) -> Take:
+def draw(name: str, request: SimRequest, seconds: float, tick: Callable[[], object]) -> Take:
     """Draw a scenario at full quality, from where its hands are there; 33.3 ms a frame.
 
     `tick` is called after each frame. No frame is dropped: how often a device does is not at
     stake here.
     """
-    acting, sensor = play(wish.scenario, wish.room), Sensor(wish.room)
+    acting, sensor = play(request.scenario, request.room), Sensor(request.room)
     first = round(OPENING_S * FPS)
     captures: list[Handed] = []
     contacts: list[TrueContact] = []

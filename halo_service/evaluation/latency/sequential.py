@@ -19,10 +19,10 @@ from halo_service.evaluation.latency.regressor import Regressor
 from halo_service.evaluation.latency.stopwatch import Stopwatch
 from halo_service.evaluation.rivals.paper import PAPER
 from halo_service.evaluation.rivals.paper_signal import Reading
+from halo_service.hand_tracking.blend import IR_SHARE, SHRINK, ColourWarp, Picture, toned
 from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.sensing import SensingSettings
 from halo_service.sources import EndOfSource, Source
-from halo_service.tracking.blend import IR_SHARE, SHRINK, ColourWarp, Picture, toned
 from halo_service.values import Depth, Frame, TouchFrame, Tracked
 
 READ_S = 0.25

@@ -14,7 +14,7 @@ from math import dist
 
 from halo_service.evaluation.scores.touches import Down, Touches, fits
 from halo_service.evaluation.scores.truth import TrueTouch
-from halo_service.virtual.plays.typing import keys
+from halo_service.virtual.scenarios.typing import keys
 from halo_type.layout import key_at
 from halo_type.metrics import Entry, Typed, typed
 

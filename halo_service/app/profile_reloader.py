@@ -1,0 +1,127 @@
+"""Keeps the running service's profile: takes up what changes on disk, retakes the background.
+
+Rule: reading, averaging and saving happen in a thread of their own; the live loop is handed a
+finished profile between two frames.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from halo_calibration.background import WANTED_FRAMES
+from halo_calibration.steps import Change, Setup, background_change
+from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera
+from halo_service.profile import Profile
+from halo_service.profile.store import TEXT, amend, load, require_fit
+from halo_service.runtime.latest import Latest
+from halo_service.sensing import State, adopt
+from halo_service.values import Frame, Tracked
+
+log = logging.getLogger(__name__)
+
+LOOK_S = 0.5
+"""How often the profile on disk is looked at."""
+
+
+class ProfileReloader:
+    """One profile while the service runs."""
+
+    def __init__(self, folder: Path | None, camera: Camera, profile: Profile | None) -> None:
+        """`folder`: where the profile lives; None for one that lives in memory alone."""
+        self._folder = folder
+        self._camera = camera
+        self._profile = profile
+        self._stamp = self._stamp_now()
+        self._taken: list[Frame] | None = None
+        self._ready: Latest[list[Frame]] = Latest()
+        self._new: Latest[Profile] = Latest()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="profile", daemon=True)
+        self._thread.start()
+
+    def retake(self) -> None:
+        """Take the background anew out of the next frames. Raises `UserError` without a profile."""
+        if self._profile is None:
+            raise UserError("there is no profile yet: run 'halo calibrate' first")
+        if self._taken is None:
+            log.info("background: taking it anew; keep hands away for two seconds")
+            self._taken = []
+
+    def watch(self, frame: Frame) -> None:
+        """Be shown every frame; cheap."""
+        if self._taken is None:
+            return
+        self._taken.append(frame)
+        if len(self._taken) == WANTED_FRAMES:
+            self._ready.put(self._taken)
+            self._taken = None
+
+    def refresh(self, state: State) -> State:
+        """Return the state with the newest profile."""
+        if self._taken is not None and any(finger.pointer for finger in state.fingers):
+            log.warning("background: a hand is in view, so it was not taken; take it away first")
+            self._taken = None
+        profile = self._new.take(0.0)
+        return state if profile is None else adopt(state, profile)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            frames = self._ready.take(LOOK_S)
+            try:
+                if frames is not None:
+                    self._keep(frames)
+                self._reread()
+            except UserError as error:
+                log.warning("%s; the profile that was there is kept", error)
+
+    def _keep(self, frames: list[Frame]) -> None:
+        assert self._profile is not None  # `retake` saw to it
+        date = datetime.now(UTC).replace(microsecond=0, tzinfo=None).isoformat() + "Z"
+        setup = Setup(self._profile.name, self._camera, date)
+        change = background_change(setup, frames, _no_hands)
+        self._profile = self._changed(change)
+        self._stamp = self._stamp_now()
+        self._new.put(self._profile)
+        log.info("background: taken anew, revision %d", self._profile.revision)
+
+    def _changed(self, change: Change) -> Profile:
+        if self._folder is not None:
+            return amend(self._folder, change)
+        assert self._profile is not None
+        return replace(change(self._profile), revision=self._profile.revision + 1)
+
+    def _reread(self) -> None:
+        stamp = self._stamp_now()
+        if stamp == self._stamp or stamp is None or self._folder is None:
+            return
+        self._stamp = stamp
+        profile = load(self._folder)
+        require_fit(profile, self._camera)
+        self._profile = profile
+        self._new.put(profile)
+        log.info("profile: '%s' changed, now revision %d", profile.name, profile.revision)
+
+    def _stamp_now(self) -> tuple[int, int, int] | None:
+        """Return what tells one version of the text from another; None where there is none."""
+        if self._folder is None:
+            return None
+        try:
+            stat = (self._folder / TEXT).stat()
+        except OSError:
+            return None  # moved away: what we have is kept until there is another
+        return stat.st_mtime_ns, stat.st_size, stat.st_ino
+
+
+def _no_hands(frame: Frame) -> Tracked:
+    """The live tracker saw none: `refresh` gives up where there is a pointer."""
+    return Tracked(frame.time_us, ())

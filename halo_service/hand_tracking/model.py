@@ -1,0 +1,180 @@
+"""The hand model: made once, on first need, kept in the user's cache folder.
+
+MediaPipe's package of today carries no model. The two networks of the Hand Landmarker lie in
+an older package of the same project (Apache-2.0 licence); a bundle is the uncompressed zip of
+both. The package is fetched by the user's own installer, from wherever that is set up to
+fetch from, and taken only if the networks' hashes are the ones we tested with.
+
+Run as `python -m halo_service.hand_tracking.model`, it fetches the model ahead of need and prints
+its path.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import logging
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from halo_service.errors import UserError
+
+log = logging.getLogger(__name__)
+
+_PACKAGE = "mediapipe==0.10.21"
+_NETWORKS = {
+    "hand_detector.tflite": (
+        "mediapipe/modules/palm_detection/palm_detection_full.tflite",
+        "1b14e9422c6ad006cde6581a46c8b90dd573c07ab7f3934b5589e7cea3f89a54",
+    ),
+    "hand_landmarks_detector.tflite": (
+        "mediapipe/modules/hand_landmark/hand_landmark_full.tflite",
+        "11c272b891e1a99ab034208e23937a8008388cf11ed2a9d776ed3d01d0ba00e3",
+    ),
+}
+"""Name in the bundle: path in the package, sha256."""
+_BUNDLE_SHA256 = "76839f622b2923ac8ee857300422283621490de0122425c2313ab8f040a7d100"
+"""Of the whole bundle, whose bytes depend on the networks alone."""
+_BUNDLE = "hand_landmarker-0.10.21.task"
+_OR_ELSE = (
+    "connect to the network and try again, or run `python -m halo_service.hand_tracking.model` on "
+    "another machine, copy the file it names, and set `tracking.model` in halo.toml to its path"
+)
+
+# The networks are the same in every build of the package: ask for the one that surely exists,
+# so that it works on machines and Pythons for which there is none.
+_UV = (
+    *("--python-platform", "x86_64-unknown-linux-gnu", "--python-version", "3.11"),
+    *("--link-mode", "copy"),  # no warning where uv's cache lies on another disk
+)
+_PIP = (
+    *("--platform", "manylinux_2_28_x86_64", "--python-version", "3.11"),
+    *("--implementation", "cp", "--abi", "cp311"),
+)
+
+
+def model_path() -> Path:
+    """Return where our own bundle is kept, whether it is there yet or not."""
+    return user_cache_path("halo-service", appauthor=False) / _BUNDLE
+
+
+def hand_model(configured: Path | None) -> Path:
+    """Give the path of a Hand Landmarker bundle: `configured`, or ours, fetched if need be.
+
+    Raises UserError where the configured file is none, or ours can be neither found nor made.
+    Several processes may call it at the same time.
+    """
+    if configured is not None:
+        return _checked(configured)
+    path = model_path()
+    if not _is_ours(path):
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # In the same folder, because only there is putting it in place one step.
+            with tempfile.TemporaryDirectory(dir=path.parent, prefix=".model-") as scratch:
+                _make(path, Path(scratch))
+        except OSError as error:
+            raise UserError(
+                f"the hand model cannot be kept in {path.parent} ({error}); make room there or "
+                "make it writable, or set `tracking.model` in halo.toml to a model's path"
+            ) from error
+    return path
+
+
+def _checked(configured: Path) -> Path:
+    if not configured.is_file():
+        raise UserError(
+            f"tracking.model: {configured} does not exist; correct the path, or leave the key "
+            "out to have the model fetched"
+        )
+    if not zipfile.is_zipfile(configured):
+        raise UserError(
+            f"tracking.model: {configured} is no Hand Landmarker bundle (.task); name another, "
+            "or leave the key out to have the model fetched"
+        )
+    return configured
+
+
+def _is_ours(path: Path) -> bool:
+    return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == _BUNDLE_SHA256
+
+
+def _make(path: Path, scratch: Path) -> None:
+    sys.stderr.write("Fetching the hand model (once, 35 MB) ...\n")
+    sys.stderr.flush()
+    target = scratch / "package"
+    _install(target)
+    bundle = scratch / path.name
+    with zipfile.ZipFile(bundle, "w", zipfile.ZIP_STORED) as archive:
+        for name, (inside, sha256) in _NETWORKS.items():
+            archive.writestr(_entry(name), _network(target / inside, sha256))
+    bundle.replace(path)
+
+
+def _install(target: Path) -> None:
+    command = [*_installer(), "--target", str(target), _PACKAGE]
+    try:
+        done = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+        )
+    except OSError as error:
+        raise UserError(
+            f"the hand model could not be fetched ({command[0]}: {error.strerror}); {_OR_ELSE}"
+        ) from error
+    log.debug("hand model: %s\n%s", " ".join(command), done.stdout)
+    if done.returncode != 0:
+        raise UserError(f"the hand model could not be fetched; {_OR_ELSE}")
+
+
+def _installer() -> list[str]:
+    """The command that fetches a package: uv, however it can be called, else pip."""
+    # `uv run` leaves its own path in UV.
+    uv = os.environ.get("UV") or shutil.which("uv")
+    if uv is not None or importlib.util.find_spec("uv") is not None:
+        command = [uv] if uv is not None else [sys.executable, "-m", "uv"]
+        return [*command, "pip", "install", "--python", sys.executable, "--no-deps", *_UV]
+    if importlib.util.find_spec("pip") is not None:
+        return [sys.executable, "-m", "pip", "install", "--no-deps", *_PIP]
+    raise UserError(
+        "the hand model has to be fetched once, and neither uv nor pip is there to do it; "
+        f"`python3 -m pip install uv`, or {_OR_ELSE}"
+    )
+
+
+def _network(path: Path, sha256: str) -> bytes:
+    content = path.read_bytes() if path.is_file() else b""
+    if hashlib.sha256(content).hexdigest() != sha256:
+        raise UserError(
+            f"the hand model that was fetched is not the one we know ({path.name} differs), so "
+            f"it is not used; {_OR_ELSE}"
+        )
+    return content
+
+
+def _entry(name: str) -> zipfile.ZipInfo:
+    """A zip entry without a date or a trace of the machine."""
+    entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+    entry.create_system = 3
+    entry.external_attr = 0o644 << 16
+    return entry
+
+
+def main() -> int:
+    """Fetch the model if it is not there, and print its path."""
+    try:
+        sys.stdout.write(f"{hand_model(None)}\n")
+    except UserError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""How the service fares, counted frame by frame. Time comes in by the door."""
+
+from __future__ import annotations
+
+import statistics
+from collections import deque
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from halo_service.runtime.tracker_thread import TrackerState
+
+WINDOW = 128
+"""Frames remembered: more than a second of the fastest."""
+RECENT_S = 1.0
+"""Health is told of the last second (protocol 1)."""
+
+CameraState = Literal["starting", "running", "lost", "ended"]
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """One moment's health."""
+
+    fps: float
+    latency_ms: float
+    """Median from capture received to packet sent; -1 where not known."""
+    drops: int
+    bad_frames: int
+    tracker: TrackerState
+    camera: CameraState
+    tracker_ms: float
+    """Median age of the hands that frames were sensed with; -1 where not known."""
+
+
+class Pulse:
+    """Keeps count over one session."""
+
+    def __init__(self) -> None:
+        self.drops = 0
+        self.bad_frames = 0
+        self.camera: CameraState = "starting"
+        self._sent: deque[_Sent] = deque(maxlen=WINDOW)
+
+    def sent(self, received_s: float, sent_s: float, hands_age_us: int | None) -> None:
+        """Count a frame that was sensed and sent; both times from one monotonic clock."""
+        age_ms = None if hands_age_us is None else hands_age_us / 1000.0
+        self._sent.append(_Sent(sent_s, 1000.0 * (sent_s - received_s), age_ms))
+
+    def vitals(self, now_s: float, tracker: TrackerState) -> Health:
+        """Sum up the last second."""
+        recent = [sent for sent in self._sent if now_s - sent.time_s <= RECENT_S]
+        span_s = recent[-1].time_s - recent[0].time_s if len(recent) > 1 else 0.0
+        return Health(
+            fps=(len(recent) - 1) / span_s if span_s > 0.0 else 0.0,
+            latency_ms=_median([sent.latency_ms for sent in recent]),
+            drops=self.drops,
+            bad_frames=self.bad_frames,
+            tracker=tracker,
+            camera=self.camera,
+            tracker_ms=_median([sent.age_ms for sent in recent if sent.age_ms is not None]),
+        )
+
+
+class _Sent(NamedTuple):
+    time_s: float
+    latency_ms: float
+    age_ms: float | None
+
+
+def _median(values: list[float]) -> float:
+    return statistics.median(values) if values else -1.0

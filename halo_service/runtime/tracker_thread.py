@@ -1,0 +1,109 @@
+"""The hand tracker, beside the frames: it looks at the newest one and never delays any.
+
+A frame that comes while it is busy replaces the one that waits; the sensing takes whatever
+hands it saw last and carries them forward.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Literal, Protocol
+
+from halo_service.errors import UserError
+from halo_service.runtime.latest import Latest
+from halo_service.values import Frame, Tracked
+
+log = logging.getLogger(__name__)
+
+WAKE_S = 0.2
+"""How often the thread looks whether it shall end."""
+AGAIN_S = 1.0
+"""Pause before a tracker that failed is made anew."""
+
+TrackerState = Literal["off", "starting", "searching", "tracking", "failed"]
+
+
+class Tracker(Protocol):
+    """Finds hands in frames; stateful, slow, used from one thread."""
+
+    def look(self, frame: Frame) -> Tracked:
+        """Find the hands in one frame."""
+
+    def close(self) -> None:
+        """Let the model go."""
+
+
+class TrackerThread:
+    """Runs a tracker in a thread of its own."""
+
+    def __init__(self, make: Callable[[], Tracker]) -> None:
+        """`make` is called in the thread: loading the model takes seconds, and frames flow on."""
+        self._make = make
+        self._frames: Latest[Frame] = Latest()
+        self._tracked: Latest[Tracked] = Latest()
+        self._ended = threading.Event()
+        self.state: TrackerState = "starting"
+        self.failure: UserError | None = None
+        """Set when the tracker cannot be had at all; the service ends with this sentence."""
+        self._thread = threading.Thread(target=self._run, name="hand tracker", daemon=True)
+        self._thread.start()
+
+    @property
+    def newest(self) -> Tracked | None:
+        """What the tracker last saw."""
+        return self._tracked.peek()
+
+    def offer(self, frame: Frame) -> None:
+        """Hand over a frame; it looks at it when it is free, unless a newer one comes first."""
+        self._frames.put(frame)
+
+    def close(self) -> None:
+        """End the thread after the frame it is at."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        _stand_back()
+        while not self._ended.is_set():
+            try:
+                tracker = self._make()
+                try:
+                    self._look_on(tracker)
+                finally:
+                    tracker.close()
+            except UserError as error:
+                self.state, self.failure = "failed", error
+                return
+            except Exception:
+                # Whatever a model of others throws must not end an installation's evening.
+                self.state = "failed"
+                log.exception("tracker: failed; starting it anew")
+                self._ended.wait(AGAIN_S)
+
+    def _look_on(self, tracker: Tracker) -> None:
+        self.state = "searching"
+        while not self._ended.is_set():
+            frame = self._frames.take(WAKE_S)
+            if frame is None:
+                continue
+            tracked = tracker.look(frame)
+            self._tracked.put(tracked)
+            self.state = "tracking" if tracked.hands else "searching"
+
+
+def _stand_back() -> None:
+    """Let this thread, and those that it starts, never push another one off a core.
+
+    Linux alone knows how: a batch thread gets its full share, but when it wakes it waits until a
+    core is free. The model's own threads wake many times a picture, and with two hands the
+    frames' thread lost its core to them, for a third of the time that a frame took.
+    """
+    batch = getattr(os, "SCHED_BATCH", None)
+    if batch is None:
+        return
+    with suppress(OSError):  # a sandbox may forbid it: the frames wait a little, nothing breaks
+        os.sched_setscheduler(0, batch, os.sched_param(0))  # 0: of the calling thread

@@ -1,0 +1,141 @@
+"""Which sighting is which finger.
+
+The tracker sees a hand twice, mistakes a left one for a right one, or one finger for another: none
+of that may cost a finger its id, or give one finger two.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import count
+
+from halo_service.sensing.detections import Detection, Pixel
+from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.label_pixels import FINGER_PX
+from halo_service.sensing.tracks import BESIDE_PX, Track, was_at
+from halo_service.values import Side
+
+SLOTS = 10
+"""Two hands' fingers."""
+SAME_FINGER_PX, OTHER_SIDE_PX = 80.0, 30.0
+"""A sighting farther than this from a finger's tip is another finger (8 cm at 0.5 m); less where
+the tracker calls it another hand's: hands flip in place."""
+ON_FINGER_PX = 10.0
+"""A stranger's tip this near to a finger's line is that finger again (chosen: half a finger)."""
+STRAYED_PX = 30.0
+"""The tracker's tips are 4 px off at the median and 28 at their worst: within that the depth's
+word counts (measured on virtual hands at 0.5 m)."""
+TURN_SHARE = 0.3
+"""Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
+MOST_VOTES = 8
+"""A quarter of a second of the tracker's opinions on left and right."""
+REPLACED_US = 200_000
+"""The tracker errs in single frames and in runs of a few (chosen: six frames)."""
+
+
+def associate(
+    live: tuple[Track, ...], seen: tuple[Detection, ...], next_id: int
+) -> tuple[Track, ...]:
+    """Give the live fingers their new sightings, nearest first, and take up the newcomers."""
+    distances = sorted(
+        (distance, i, j)
+        for i, finger in enumerate(live)
+        for j, detection in enumerate(seen)
+        if finger.detection.finger is detection.finger
+        and (distance := _distance(finger, detection)) < _reach(finger, detection)
+    )
+    paired: dict[int, int] = {}
+    for _, i, j in distances:
+        if i not in paired and j not in paired.values():
+            paired[i] = j
+    others = [detection for j, detection in enumerate(seen) if j not in paired.values()]
+    known = tuple(
+        _corrected_by(finger, seen[paired[i]]) if i in paired else finger
+        for i, finger in enumerate(live)
+        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, live))
+    )
+    strangers = [
+        each for each in others if not any(_is_on(finger, each.tip_px) for finger in known)
+    ]
+    taken = {finger.slot for finger in known}
+    slots = (slot for slot in range(SLOTS) if slot not in taken)
+    newcomers = zip(count(next_id), slots, strangers, strict=False)
+    return known + tuple(_born(*newcomer) for newcomer in newcomers)
+
+
+def _born(id: int, slot: int, detection: Detection) -> Track:  # noqa: A002 - the wire's name
+    direction = unit(detection.distal_px, detection.tip_px)
+    return Track(id, slot, detection, direction, _vote(detection.side), detection.time_us)
+
+
+def _corrected_by(finger: Track, detection: Detection) -> Track:
+    """Return a finger with the tracker's new word on it; a word said before counts once."""
+    if detection.time_us <= finger.detection.time_us:
+        return finger
+    votes = min(max(finger.votes + _vote(detection.side), -MOST_VOTES), MOST_VOTES)
+    direction, contradicted = finger.direction, finger.contradicted + 1
+    off_px = _distance(finger, detection)
+    off_path = finger.off_path + 1 if off_px > BESIDE_PX else 0
+    if off_px <= STRAYED_PX:
+        new = unit(detection.distal_px, detection.tip_px)
+        dx, dy = TURN_SHARE * (new[0] - direction[0]), TURN_SHARE * (new[1] - direction[1])
+        direction, contradicted = unit((0.0, 0.0), (direction[0] + dx, direction[1] + dy)), 0
+    return replace(
+        finger,
+        detection=detection,
+        votes=votes,
+        direction=direction,
+        off_path=off_path,
+        contradicted=contradicted,
+    )
+
+
+def _vote(side: Side) -> int:
+    return (side is Side.RIGHT) - (side is Side.LEFT)
+
+
+def _reach(finger: Track, detection: Detection) -> float:
+    return SAME_FINGER_PX if detection.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_PX
+
+
+def _is_replaced(finger: Track, others: Sequence[Detection], seen: bool) -> bool:
+    """Say whether the tracker has long seen this very finger elsewhere: a hand has but one."""
+    return (
+        not seen
+        and not finger.debounce.contact.touching
+        and any(
+            other.finger is finger.detection.finger
+            and other.side is finger.side
+            and other.time_us - finger.detection.time_us > REPLACED_US
+            for other in others
+        )
+    )
+
+
+def _is_double(finger: Track, live: Sequence[Track]) -> bool:
+    """Say whether a hovering finger lies on another that the tracker confirms better."""
+    if finger.debounce.contact.touching or not finger.path:
+        return False
+    mine = (-finger.contradicted, finger.detection.time_us, -finger.id)
+    return any(
+        (-other.contradicted, other.detection.time_us, -other.id) > mine
+        and _is_on(other, finger.path[-1].tip_px)
+        for other in live
+        if other is not finger and other.path
+    )
+
+
+def _is_on(finger: Track, place: Pixel) -> bool:
+    """Say whether a tip lies on a finger that is there already."""
+    tip = finger.path[-1].tip_px if finger.path else finger.detection.tip_px
+    ux, uy = finger.direction
+    dx, dy = tip[0] - place[0], tip[1] - place[1]
+    back = min(max(dx * ux + dy * uy, 0.0), FINGER_PX)
+    return math.dist((dx, dy), (back * ux, back * uy)) < ON_FINGER_PX
+
+
+def _distance(finger: Track, detection: Detection) -> float:
+    tip = was_at(finger.path, detection.time_us).tip_px if finger.path else finger.detection.tip_px
+    return math.dist(tip, detection.tip_px)

@@ -1,0 +1,92 @@
+"""Which fingertips the hand tracker shows: those of extended fingers, each hand once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.values import Finger, Hand, Side, Tracked
+
+Pixel = tuple[float, float]
+Fingers = Literal["index", "all"]
+
+WRIST = 0
+THUMB_TIP = 4
+FINGER_MARKS = 4
+"""MediaPipe's landmarks: the wrist, then four a finger, from the thumb's root to the little tip."""
+PALM = (0, 5, 9, 13, 17)
+"""Wrist and knuckles."""
+SAME_PALM_PX = 30.0
+"""Two palms nearer to each other than this are one hand, seen twice (chosen: half a palm)."""
+LEAST_SPREAD_PX = 25.0
+"""Landmarks that lie closer together are no hand (chosen: a fist at 0.8 m spans twice that)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """One extended finger in the tracker's frame."""
+
+    time_us: int
+    side: Side
+    finger: Finger
+    tip_px: Pixel
+    distal_px: Pixel
+    """The joint next to the tip, put on the line to the finger's root: a finger bends in one plane,
+    and two landmarks 20 px apart tell its direction badly."""
+    confidence: float
+
+
+def detections(tracked: Tracked | None, wanted: Fingers = "index") -> tuple[Detection, ...]:
+    """Return the extended fingers of the tracked hands, the surest hand first."""
+    if tracked is None:
+        return ()
+    fingers = tuple(Finger) if wanted == "all" else (Finger.INDEX,)
+    return tuple(
+        _detection(tracked.time_us, hand, finger)
+        for hand in each_once(tracked.hands)
+        for finger in fingers
+        if _extended(hand, finger)
+    )
+
+
+def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
+    """Leave out what is no hand, and a hand's second sighting; the surest first."""
+    kept: list[Hand] = []
+    for hand in sorted(hands, key=lambda hand: -hand.confidence):
+        if float(np.ptp(hand.landmarks_px, axis=0).max()) < LEAST_SPREAD_PX:
+            continue
+        if all(math.dist(_palm(hand), _palm(other)) >= SAME_PALM_PX for other in kept):
+            kept.append(hand)
+    return tuple(kept)
+
+
+def _detection(time_us: int, hand: Hand, finger: Finger) -> Detection:
+    tip = THUMB_TIP + FINGER_MARKS * int(finger)
+    end, distal, root = (hand.landmarks_px[tip - joint] for joint in (0, 1, 3))
+    line = (end - root) / max(float(np.linalg.norm(end - root)), 1.0)
+    joint = end - line * float(np.linalg.norm(end - distal))
+    return Detection(time_us, hand.side, finger, _pixel(end), _pixel(joint), hand.confidence)
+
+
+def _extended(hand: Hand, finger: Finger) -> bool:
+    """Say whether a finger points: its tip is farther from the wrist than its middle joint.
+
+    A thumb folds across the palm instead: its tip is then nearer to the little finger's knuckle
+    than its root's end is.
+    """
+    tip = THUMB_TIP + FINGER_MARKS * int(finger)
+    away = hand.landmarks_px[PALM[-1] if finger is Finger.THUMB else WRIST]
+    last, middle = hand.landmarks_px[tip], hand.landmarks_px[tip - 2]
+    return bool(np.linalg.norm(last - away) > np.linalg.norm(middle - away))
+
+
+def _palm(hand: Hand) -> Pixel:
+    return _pixel(hand.landmarks_px[list(PALM)].mean(axis=0))
+
+
+def _pixel(point: NDArray[np.float64]) -> Pixel:
+    return float(point[0]), float(point[1])

@@ -1,0 +1,105 @@
+"""What a source's name asks for: `sim:drumming?seed=3&material=foam&camera_height_mm=600`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import parse_qsl
+
+from halo_service.errors import UserError
+from halo_service.values import Side
+from halo_service.virtual.pictures import findable
+from halo_service.virtual.props import sheets
+from halo_service.virtual.room import Room, draw_room
+from halo_service.virtual.scenarios import FURNISHED, SCENARIOS
+
+DEFAULT = "demo"
+
+
+def _side(text: str) -> Side:
+    return {"left": Side.LEFT, "right": Side.RIGHT}[text]
+
+
+def _list(text: str) -> tuple[str, ...]:
+    return tuple(part for part in text.split(",") if part)
+
+
+OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
+    "material": ("material", str),
+    "camera_height_mm": ("camera_height_mm", float),
+    "camera_pitch_deg": ("camera_pitch_deg", float),
+    "camera_yaw_deg": ("camera_yaw_deg", float),
+    "hand": ("dominant", _side),
+    "noise": ("noise", float),
+    "drop": ("drop", float),
+    "light": ("light", float),
+    "props": ("props", _list),
+    "projected": ("projected", findable),
+    "sheets": ("sheets", sheets),
+    "blur_px": ("blur_px", float),
+    "exposure_ms": ("exposure_ms", float),
+    "labels": ("labels", str),
+    "hand_size": ("user.size", float),
+    "girth": ("user.girth", float),
+    "pad_mm": ("user.pad_mm", float),
+    "pad_g": ("user.pad_g", float),
+    "skin": ("user.skin", float),
+    "nail_mm": ("user.nail_mm", float),
+    "sleeve_mm": ("user.sleeve_mm", float),
+    "curl": ("user.curl", float),
+    "family": ("curve.family", str),
+    "onset_mm": ("curve.onset_mm", float),
+    "gain": ("curve.gain", float),
+    "press_g": ("curve.press_g", float),
+}
+"""Option -> the field of the room, its user or its curve, and how to read it."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimRequest:
+    """A scenario in a room."""
+
+    scenario: str
+    room: Room
+
+
+def parse_sim_url(name: str = "", *, seed: int | None = None) -> SimRequest:
+    """Read what follows `sim:`, e.g. `drumming?seed=3`. `seed` wins over the name's.
+
+    Raises UserError for an unknown scenario, option or value, naming the known ones.
+    """
+    scenario, _, query = name.removeprefix("sim").removeprefix(":").partition("?")
+    scenario = scenario or DEFAULT
+    if scenario not in SCENARIOS:
+        raise UserError(
+            f"The virtual Kinect knows no scenario {scenario!r}; known: {', '.join(SCENARIOS)}."
+        )
+    options = dict(parse_qsl(query, keep_blank_values=True))
+    drawn_seed = _read("seed", options.pop("seed", "1"), int)
+    room = draw_room(seed if seed is not None else drawn_seed, **_named(options))
+    return SimRequest(scenario, FURNISHED.get(scenario, _as_it_is)(room))
+
+
+def _as_it_is(room: Room) -> Room:
+    return room
+
+
+def _named(options: Mapping[str, str]) -> dict[str, Any]:
+    named = {}
+    for option, text in options.items():
+        if option not in OPTIONS:
+            raise UserError(
+                f"The virtual Kinect knows no option {option!r}; known: seed, {', '.join(OPTIONS)}."
+            )
+        field, read = OPTIONS[option]
+        named[field] = _read(option, text, read)
+    return named
+
+
+def _read(option: str, text: str, read: Callable[[str], Any]) -> Any:
+    try:
+        return read(text)
+    except (ValueError, KeyError):
+        kind = {int: "a whole number", float: "a number"}.get(read, "left or right")  # type: ignore[call-overload]
+        raise UserError(f"The virtual Kinect's {option} is {text!r}; it must be {kind}.") from None

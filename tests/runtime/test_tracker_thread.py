@@ -1,0 +1,67 @@
+"""The hand tracker's thread stands back for the frames'."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+import pytest
+
+from halo_service.runtime.tracker_thread import TrackerThread
+from halo_service.values import Frame, Tracked
+
+FOUND_S = 10.0
+
+
+class Witness:
+    """A tracker that notes how its thread, and one that it started, are scheduled."""
+
+    def __init__(self) -> None:
+        self.policies = [os.sched_getscheduler(0)]
+        child = threading.Thread(target=lambda: self.policies.append(os.sched_getscheduler(0)))
+        child.start()
+        child.join()
+
+    def look(self, frame: Frame) -> Tracked:
+        return Tracked(frame.time_us, ())
+
+    def close(self) -> None:
+        pass
+
+
+@contextmanager
+def made() -> Iterator[Witness]:
+    """Give the tracker that was made in the thread beside."""
+    witnesses: list[Witness] = []
+    ready = threading.Event()
+
+    def make() -> Witness:
+        witnesses.append(Witness())
+        ready.set()
+        return witnesses[0]
+
+    with closing(TrackerThread(make)):
+        assert ready.wait(FOUND_S)
+        yield witnesses[0]
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="only Linux has batch threads")
+def test_the_tracker_and_what_it_starts_wait_for_a_free_core() -> None:
+    ours = os.sched_getscheduler(0)
+    with made() as witness:
+        assert witness.policies == [os.SCHED_BATCH, os.SCHED_BATCH]
+    assert os.sched_getscheduler(0) == ours != os.SCHED_BATCH
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="only Linux has batch threads")
+def test_where_it_is_forbidden_hands_are_tracked_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    with made() as witness:
+        assert witness.policies == [os.sched_getscheduler(0)] * 2

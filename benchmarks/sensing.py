@@ -17,9 +17,9 @@ from typing import TypeVar
 
 import cv2
 
-from halo_service.evaluation.calibrated import by_script
-from halo_service.evaluation.capture import background_of
-from halo_service.evaluation.kept import load, played
+from halo_service.evaluation.study.cache import background_of
+from halo_service.evaluation.study.calibrate import by_script
+from halo_service.evaluation.study.recording import load, played
 from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings, start, step
 from halo_service.sensing.background import excess_depth

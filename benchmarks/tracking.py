@@ -19,7 +19,7 @@ os.environ["OMP_NUM_THREADS"] = "1"  # before the imports below: as the service 
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.evaluation.latency.handed import handed, unpacked
+from halo_service.evaluation.latency.raw_frames import handed, unpacked
 from halo_service.hand_tracking.blend import ColourWarp, Picture, blend
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model

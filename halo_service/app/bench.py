@@ -25,12 +25,12 @@ from halo_service.app.sources import KNOWN
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.evaluation.latency.blocks import run
-from halo_service.evaluation.latency.drawn import Take, draw
 from halo_service.evaluation.latency.figures import Case, case_of, goals
-from halo_service.evaluation.latency.handed import handed
 from halo_service.evaluation.latency.listener import Listener
+from halo_service.evaluation.latency.raw_frames import handed
 from halo_service.evaluation.latency.regressor import Regressor, regressor_for
 from halo_service.evaluation.latency.sequential import Sequential
+from halo_service.evaluation.latency.simulate import Take, draw
 from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
 from halo_service.files import from_home
 from halo_service.hand_tracking.hands import HandTracker

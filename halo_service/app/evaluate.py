@@ -18,13 +18,13 @@ from tqdm import tqdm
 from halo_service.app.config import Settings, TrackingSettings
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.errors import UserError
-from halo_service.evaluation import matrix
-from halo_service.evaluation.capture import Look, Studio
-from halo_service.evaluation.judged import read_lines, recording_judged
-from halo_service.evaluation.matrix import Person, Plan, Task
-from halo_service.evaluation.result import Result
-from halo_service.evaluation.rivals import AS_CALIBRATED, BY_SURFACE, METHODS
-from halo_service.evaluation.run import Order, run, work_s
+from halo_service.evaluation.methods import AS_CALIBRATED, BY_SURFACE, METHODS
+from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.study import plan as matrix
+from halo_service.evaluation.study.cache import Look, Studio
+from halo_service.evaluation.study.judge import read_lines, recording_judged
+from halo_service.evaluation.study.plan import Person, Plan, Task
+from halo_service.evaluation.study.run import Order, run, work_s
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile

@@ -15,12 +15,12 @@ from pathlib import Path
 
 from halo_service.app.files import STDOUT, written
 from halo_service.errors import UserError
-from halo_service.evaluation import rows
-from halo_service.evaluation.brief import brief
+from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.report import csv_rows as rows
+from halo_service.evaluation.report.brief import brief
 from halo_service.evaluation.report.page import page
-from halo_service.evaluation.result import Result
-from halo_service.evaluation.table import as_markdown, as_text
-from halo_service.evaluation.told import heading, told
+from halo_service.evaluation.report.summary import heading, told
+from halo_service.evaluation.report.table import as_markdown, as_text
 
 PAGE = "index.html"
 

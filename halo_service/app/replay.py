@@ -9,7 +9,7 @@ from pathlib import Path
 
 from halo_service.app.config import Settings
 from halo_service.app.files import written
-from halo_service.evaluation.rivals import method_named
+from halo_service.evaluation.methods import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit

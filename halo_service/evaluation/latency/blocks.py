@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, Protocol
 
-from halo_service.evaluation.latency.drawn import Take
-from halo_service.evaluation.latency.handed import Player
 from halo_service.evaluation.latency.listener import Heard, Listener
+from halo_service.evaluation.latency.raw_frames import Player
 from halo_service.evaluation.latency.sequential import Sequential
+from halo_service.evaluation.latency.simulate import Take
 from halo_service.evaluation.latency.stopwatch import Row, Stopwatch
 from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.evaluation.latency.blocks import Arrangement, Block
-from halo_service.evaluation.latency.drawn import Take, TrueContact
+from halo_service.evaluation.latency.simulate import Take, TrueContact
 from halo_service.evaluation.latency.stopwatch import Row
 from halo_service.geometry.surface import Surface
 from halo_service.values import TouchEvent

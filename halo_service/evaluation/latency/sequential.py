@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from halo_service.evaluation.latency.regressor import Regressor
 from halo_service.evaluation.latency.stopwatch import Stopwatch
-from halo_service.evaluation.rivals.paper import PAPER
-from halo_service.evaluation.rivals.paper_signal import Reading
+from halo_service.evaluation.methods.paper.method import PAPER
+from halo_service.evaluation.methods.paper.signal import Reading
 from halo_service.hand_tracking.blend import IR_SHARE, SHRINK, ColourWarp, Picture, toned
 from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.sensing import SensingSettings

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from halo_service.evaluation import pick
+from halo_service.evaluation.metrics.levels import Trial
+from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.metrics.retaps import told_by_lift
+from halo_service.evaluation.report import select
 from halo_service.evaluation.report.svg import Panel, axes, coloured, dots, drawing, line, ticks
-from halo_service.evaluation.result import Result
-from halo_service.evaluation.scores.levels import Trial
-from halo_service.evaluation.scores.threshold import told_by_lift
 
 LEVELS = {
     "hover": ("mm", 20.0, (0, 5, 10, 15, 20)),
@@ -36,8 +36,8 @@ def retaps(results: Sequence[Result]) -> list[str]:
     """Share of re-taps that were told, over how far the finger rose between."""
     panel = Panel(420.0, 170.0, (0.0, 6.5), (0.0, 105.0))
     lines = []
-    for method in pick.methods(results):
-        parts = [r.scores.retaps for r in pick.of(results, method) if r.scores]
+    for method in select.methods(results):
+        parts = [r.scores.retaps for r in select.of(results, method) if r.scores]
         shares = told_by_lift([each for part in parts for each in part])
         percents = [100.0 * share for share in shares.values()]
         if shares:
@@ -63,12 +63,16 @@ def _family(family: str, results: Sequence[Result], kind: str) -> str:
         axes(panel, family, f"true, {unit}", f"told, {unit}", ticks(*numbers), ticks(*numbers)),
         line(panel, (0.0, end), (0.0, end), "truth"),
     ]
-    for method in reversed(pick.methods(results)):  # the first lies on top
-        mine = pick.of(results, method)
-        parts.append(_mean_line(panel, pick.trials(mine, kind, False), f"plain {coloured(method)}"))
-        parts.append(_mean_line(panel, pick.trials(mine, kind, True), f"noisy {coloured(method)}"))
-    for method in pick.methods(results)[:1]:
-        held = pick.trials(pick.of(results, method), kind, False)
+    for method in reversed(select.methods(results)):  # the first lies on top
+        mine = select.of(results, method)
+        parts.append(
+            _mean_line(panel, select.trials(mine, kind, False), f"plain {coloured(method)}")
+        )
+        parts.append(
+            _mean_line(panel, select.trials(mine, kind, True), f"noisy {coloured(method)}")
+        )
+    for method in select.methods(results)[:1]:
+        held = select.trials(select.of(results, method), kind, False)
         held = [trial for trial in held if not np.isnan(trial.told)]
         told = [trial.told for trial in held]
         parts.append(dots(panel, [trial.level for trial in held], told, coloured(method)))

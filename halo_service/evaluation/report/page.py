@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 
-from halo_service.evaluation import pick
-from halo_service.evaluation.breakdown import breakdown
-from halo_service.evaluation.goals import PASS, SHORT, goal_table
-from halo_service.evaluation.report import level_plots, touch_plots
-from halo_service.evaluation.result import Result
-from halo_service.evaluation.table import Table
-from halo_service.evaluation.told import is_recording, note
+from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.report import level_plots, select, touch_plots
+from halo_service.evaluation.report.breakdown import breakdown
+from halo_service.evaluation.report.goals import PASS, SHORT, goal_table
+from halo_service.evaluation.report.summary import is_recording, note
+from halo_service.evaluation.report.table import Table
 
 TITLE = "Touch, hover and pressure, judged"
 INTRODUCTION = (
@@ -25,7 +24,7 @@ RECORDED = "One recording, sensed by every method from the same frames."
 
 def page(results: Sequence[Result], facts: Mapping[str, str]) -> str:
     """Return the page; `facts` say what it is of: command, date, machine, users."""
-    methods = pick.methods(results)
+    methods = select.methods(results)
     first = methods[0] if methods else ""
     lead = RECORDED if is_recording(results) else INTRODUCTION
     body = [

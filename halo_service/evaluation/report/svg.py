@@ -13,7 +13,7 @@ from html import escape
 
 import numpy as np
 
-from halo_service.evaluation.scores.spatial import Ellipse
+from halo_service.evaluation.metrics.spatial import Ellipse
 
 Values = Iterable[float]
 

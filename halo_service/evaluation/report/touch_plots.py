@@ -9,8 +9,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from halo_service.evaluation import pick
-from halo_service.evaluation.measures import FRAME_MS
+from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.metrics.spatial import Errors, ellipse, from_truth
+from halo_service.evaluation.metrics.timing import Timing, median_late
+from halo_service.evaluation.metrics.touches import Hit
+from halo_service.evaluation.report import select
+from halo_service.evaluation.report.measures import FRAME_MS
 from halo_service.evaluation.report.svg import (
     Panel,
     axes,
@@ -24,10 +28,6 @@ from halo_service.evaluation.report.svg import (
     ticks,
     upright,
 )
-from halo_service.evaluation.result import Result
-from halo_service.evaluation.scores.spatial import Errors, ellipse, from_truth
-from halo_service.evaluation.scores.timing import Timing, median_late
-from halo_service.evaluation.scores.touches import Hit
 
 AROUND_MM = 30.0
 """Shown around the outer targets."""
@@ -42,8 +42,8 @@ def targets(results: Sequence[Result], method: str) -> list[str]:
     """Touches around their targets with 95 % ellipses, a panel a material."""
     drawings = []
     for material in _materials(results):
-        mine = [r for r in pick.of(results, method) if r.subject.material == material]
-        hits = [hit for hit in pick.touches(pick.pointing(mine)).hits if hit.touch.target_mm]
+        mine = [r for r in select.of(results, method) if r.subject.material == material]
+        hits = [hit for hit in select.touches(select.pointing(mine)).hits if hit.touch.target_mm]
         if hits:
             drawings.append(_map(material, hits, method))
     return drawings
@@ -52,8 +52,8 @@ def targets(results: Sequence[Result], method: str) -> list[str]:
 def clouds(results: Sequence[Result]) -> list[str]:
     """Every touch from its true place, a panel a method."""
     drawings = []
-    for method in pick.methods(results):
-        errors = from_truth(pick.touches(pick.pointing(pick.of(results, method))).hits)
+    for method in select.methods(results):
+        errors = from_truth(select.touches(select.pointing(select.of(results, method))).hits)
         if len(errors):
             drawings.append(_cloud(method, errors))
     return drawings
@@ -61,10 +61,10 @@ def clouds(results: Sequence[Result]) -> list[str]:
 
 def accuracy(results: Sequence[Result]) -> list[str]:
     """F1 of target pointing: bars by method on each material, in one panel."""
-    methods, shares = pick.methods(results), {}
+    methods, shares = select.methods(results), {}
     for material in _materials(results):
         mine = [r for r in results if r.subject.material == material]
-        told = [pick.touches(pick.pointing(pick.of(mine, method))) for method in methods]
+        told = [select.touches(select.pointing(select.of(mine, method))) for method in methods]
         if any(each.true for each in told):
             shares[material] = [100.0 * each.f1 for each in told]
     return [_bars(methods, shares)] if shares else []
@@ -73,8 +73,8 @@ def accuracy(results: Sequence[Result]) -> list[str]:
 def lateness(results: Sequence[Result]) -> list[str]:
     """From contact to the frame that told it: a histogram a method."""
     drawings = []
-    for method in pick.methods(results):
-        mine = pick.pointing(pick.of(results, method))
+    for method in select.methods(results):
+        mine = select.pointing(select.of(results, method))
         timing = [each for part in mine for each in part.timing]
         late = median_late(timing)
         if late is not None:

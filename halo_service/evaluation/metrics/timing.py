@@ -1,0 +1,68 @@
+"""When a touch was told, against when it happened.
+
+Rule: on the frames' clock alone. What receiving, sensing and sending cost is `halo bench`'s to
+measure; this is how many frames the method needs to be sure, and how well it says when it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from halo_service.evaluation.metrics.touches import Hit
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """One touch that was told."""
+
+    frames_late: int
+    """From the first frame taken in contact to the one that told it; 0: in that very frame."""
+    down_ms: float
+    """From contact to the frame that told it."""
+    down_ago_error_ms: float
+    """Contact as `ago_ms` dates it, minus the true one; negative: dated too early."""
+    up_ms: float | None
+    """From the contact's end to the frame that told that; None where none did."""
+    up_ago_error_ms: float | None
+
+    @property
+    def early(self) -> bool:
+        """Whether it was told before it happened."""
+        return self.down_ms < 0.0
+
+    @property
+    def late_ms(self) -> float:
+        """`down_ms`, 0 where it was early: what came too soon makes nothing else sooner."""
+        return max(self.down_ms, 0.0)
+
+    @property
+    def late_frames(self) -> int:
+        """`frames_late`, likewise."""
+        return max(self.frames_late, 0)
+
+
+def score_timing(hits: Sequence[Hit]) -> tuple[Timing, ...]:
+    """Time every touch that was told."""
+    return tuple(_timing(hit) for hit in hits if hit.touch.ended)
+
+
+def median_late(timing: Sequence[Timing]) -> tuple[float, float] | None:
+    """Return the medians of `late_ms` and of `late_frames`; None where nothing was timed."""
+    if not timing:
+        return None
+    return median(each.late_ms for each in timing), median(each.late_frames for each in timing)
+
+
+def _timing(hit: Hit) -> Timing:
+    touch, down = hit.touch, hit.down
+    down_ms = (down.time_us - touch.from_us) / 1e3
+    up_ms = None if down.up_us is None else (down.up_us - touch.to_us) / 1e3
+    return Timing(
+        hit.frames_late,
+        down_ms,
+        down_ms - down.ago_ms,
+        up_ms,
+        None if up_ms is None else up_ms - down.up_ago_ms,
+    )

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.errors import UserError
+from halo_service.settings import Settings
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.sim_url import parse_sim_url
 

@@ -20,12 +20,12 @@ from halo_calibration.observe import Observation, Observer
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup, sweep, sweep_change
 from halo_calibration.sweep import SWEEP_S
-from halo_service.app.config import Settings
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.profile import Profile
 from halo_service.sensing.correction import strength
+from halo_service.settings import Settings
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor

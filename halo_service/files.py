@@ -6,6 +6,7 @@ link is followed, and a pipe or device is written to; none of them is ever remov
 
 from __future__ import annotations
 
+import codecs
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,3 +47,30 @@ def from_home(path: str) -> Path:
 def is_special(path: Path) -> bool:
     """Say whether there is a pipe, a device or the like, which can only be written to."""
     return path.exists() and not path.is_file() and not path.is_dir()
+
+
+BYTE_ORDER_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""What Windows editors write in front of a text, and the encoding that it means."""
+
+
+def read_text(path: Path) -> str:
+    """Read a text in UTF-8, or in UTF-16 if it starts with a byte-order mark.
+
+    Raises OSError where it cannot be read, ValueError with a sentence for another encoding.
+    """
+    content = path.read_bytes()
+    encoding = next(
+        (name for mark, name in BYTE_ORDER_MARKS.items() if content.startswith(mark)), "utf-8"
+    )
+    if encoding == "utf-8" and b"\0" in content:
+        raise ValueError("it seems to be UTF-16 without a byte-order mark; save it as UTF-8")
+    try:
+        return content.decode(encoding).replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"it is not {error.encoding.upper()} text (byte {error.start}); save it as UTF-8"
+        ) from error

@@ -17,7 +17,6 @@ from halo_calibration.base import choose_base
 from halo_calibration.correction import Reference, solve_correction
 from halo_calibration.touch import corrected
 from halo_service.app.bench_table import table
-from halo_service.app.config import Settings
 from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.publisher import Publisher
@@ -40,6 +39,7 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit, require_touch
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import State, start
+from halo_service.settings import Settings
 from halo_service.sources import EndOfSource
 from halo_service.sources.recording import Recording
 from halo_service.values import Frame

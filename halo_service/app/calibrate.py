@@ -19,7 +19,6 @@ from halo_calibration.session import Session
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.touch import Stated
 from halo_service.app.calibrate_place import PLACED, WAYS, PlaceRequest, place
-from halo_service.app.config import Settings
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, open_source
 from halo_service.app.terminal import Terminal, told
@@ -27,6 +26,7 @@ from halo_service.app.virtual_user import STATED, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import amend, exists, load, profile_path, require_fit
+from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Side
 

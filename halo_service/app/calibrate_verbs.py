@@ -21,7 +21,7 @@ def calibrate(options: argparse.Namespace) -> int:
     from halo_calibration.touch import Stated
     from halo_service.app.calibrate import CalibrateRequest, pilot
     from halo_service.app.calibrate import calibrate as teach
-    from halo_service.app.config import load
+    from halo_service.settings import load
     from halo_service.values import Side
 
     settings = load(options.config)
@@ -57,10 +57,10 @@ def _places(options: argparse.Namespace) -> PlaceRequest:
 
 def verify(options: argparse.Namespace) -> int:
     """Exit code 0: all crossings were touched, and nearly; 1: they were not."""
-    from halo_service.app.config import load
     from halo_service.app.screens import ScreenRequest
     from halo_service.app.verify import VerifyRequest
     from halo_service.app.verify import verify as look
+    from halo_service.settings import load
 
     settings = load(options.config)
     source = replace(settings.source, name=options.source or settings.source.name)

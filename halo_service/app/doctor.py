@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 from halo_calibration.base import VIRTUAL, pilot_path
 from halo_service.app.calibrate import missing
-from halo_service.app.config import Settings
 from halo_service.errors import UserError
 from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path
+from halo_service.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)

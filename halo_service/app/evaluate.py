@@ -15,7 +15,6 @@ from pathlib import Path
 from platformdirs import user_cache_path
 from tqdm import tqdm
 
-from halo_service.app.config import Settings, TrackingSettings
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import AS_CALIBRATED, BY_SURFACE, METHODS
@@ -29,6 +28,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
 from halo_service.profile.store import profile_path, require_fit, require_touch
+from halo_service.settings import Settings, TrackingSettings
 from halo_service.sources.recording import Recording
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.materials import MATERIALS, STUDIED

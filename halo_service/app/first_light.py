@@ -21,7 +21,6 @@ from tqdm import tqdm
 
 from halo_calibration.session import Session
 from halo_calibration.targets import CROSSES_MM, cross_name
-from halo_service.app.config import Settings
 from halo_service.app.files import written
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
@@ -29,6 +28,7 @@ from halo_service.geometry.surface import Surface
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit, require_touch
+from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Frame
 from halo_service.virtual.camera import SERIAL

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.app.config import TrackingSettings
 from halo_service.files import from_home
 from halo_service.geometry.camera import Camera
 from halo_service.hand_tracking.blend import ColourWarp, blend
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
 from halo_service.profile import Profile
+from halo_service.settings import TrackingSettings
 from halo_service.values import Frame, Tracked
 
 ASSUMED_MM = 500.0

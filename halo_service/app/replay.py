@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from halo_service.app.config import Settings
 from halo_service.app.files import written
 from halo_service.evaluation.methods import method_named
 from halo_service.outputs.jsonl import frame_line
@@ -15,6 +14,7 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.replay import Look
 from halo_service.runtime.replay import replay as sensed
+from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 

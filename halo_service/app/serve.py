@@ -12,7 +12,6 @@ from functools import partial
 from types import FrameType
 
 import halo_protocol as wire
-from halo_service.app.config import Settings
 from halo_service.app.control_handler import ControlHandler
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.profile_reloader import ProfileReloader
@@ -30,6 +29,7 @@ from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import DEFAULT_SURFACE, start
+from halo_service.settings import Settings
 from halo_service.sources import Source
 
 log = logging.getLogger(__name__)

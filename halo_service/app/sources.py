@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from halo_service.app.config import SourceSettings
 from halo_service.errors import UserError
 from halo_service.files import from_home
+from halo_service.settings import SourceSettings
 from halo_service.sources import Source
 
 log = logging.getLogger(__name__)

@@ -14,11 +14,11 @@ from types import FrameType
 
 from tqdm import tqdm
 
-from halo_service.app.config import SourceSettings
 from halo_service.app.files import STDOUT, written
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
+from halo_service.settings import SourceSettings
 from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame
 

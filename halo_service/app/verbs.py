@@ -14,8 +14,8 @@ from halo_service.errors import UserError
 
 def serve(options: argparse.Namespace) -> int:
     """Run the service."""
-    from halo_service.app.config import load
     from halo_service.app.serve import serve as run
+    from halo_service.settings import load
 
     settings = load(options.config)
     source = replace(
@@ -52,8 +52,8 @@ def serve(options: argparse.Namespace) -> int:
 
 def replay(options: argparse.Namespace) -> int:
     """Sense a recording into a file."""
-    from halo_service.app.config import load
     from halo_service.app.replay import replay as sense
+    from halo_service.settings import load
 
     settings = load(options.config)
     profile = options.profile or settings.profile
@@ -90,8 +90,8 @@ def simulate(options: argparse.Namespace) -> int:
 
 def record(options: argparse.Namespace) -> int:
     """Record any source."""
-    from halo_service.app.config import load
     from halo_service.app.takes import record as take
+    from halo_service.settings import load
 
     settings = load(options.config).source
     settings = replace(settings, name=options.source or settings.name)
@@ -103,10 +103,10 @@ def record(options: argparse.Namespace) -> int:
 def evaluate(options: argparse.Namespace) -> int:
     """Run the study or judge a recording, and tell what came of it."""
     from halo_service.app import evaluate as bench
-    from halo_service.app.config import load
     from halo_service.app.evaluate_options import refuse_idle
     from halo_service.app.evaluate_told import Telling, telling
     from halo_service.app.first_light import first_light
+    from halo_service.settings import load
 
     refuse_idle(options)
     bench.known_methods(options.method)  # before --live asks for four minutes of anybody
@@ -162,7 +162,7 @@ def bench(options: argparse.Namespace) -> int:
     """Measure how soon packets leave."""
     from halo_service.app.bench import Asked
     from halo_service.app.bench import bench as measure
-    from halo_service.app.config import load
+    from halo_service.settings import load
 
     settings = load(options.config)
     # A real table's profile does not fit the virtual room, which is calibrated by itself.
@@ -174,8 +174,8 @@ def bench(options: argparse.Namespace) -> int:
 
 def doctor(options: argparse.Namespace) -> int:
     """Exit code 0: nothing is missing; 1: something is."""
-    from halo_service.app.config import load
     from halo_service.app.doctor import examine, told
+    from halo_service.settings import load
 
     settings = load(options.config)
     source = replace(settings.source, name=options.source or settings.source.name)

@@ -15,7 +15,6 @@ from types import FrameType
 
 from halo_calibration.guided import Cue
 from halo_calibration.guided_projector import Screen
-from halo_service.app.config import Settings
 from halo_service.app.crossings import Finger, Grid
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.screens import ScreenRequest, screen_for
@@ -32,6 +31,7 @@ from halo_service.runtime.method import OURS
 from halo_service.runtime.replay import replay
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import State, start
+from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Touch, TouchFrame
 

@@ -14,10 +14,10 @@ from halo_calibration.guided import Cue
 from halo_calibration.observe import Observer
 from halo_calibration.pilot import ANGLES_DEG, merged, pilot_samples, usable
 from halo_calibration.sweep import SWEEP_S, Samples, samples_of
-from halo_service.app.config import Settings
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.app.virtual_user import VirtualUser
+from halo_service.settings import Settings
 from halo_service.virtual.camera import FPS, SERIAL
 from halo_service.virtual.sim_url import parse_sim_url
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Interval
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,4 +42,4 @@ class ControlSettings:
     """`[control]` in halo.toml: the port that clients talk to."""
 
     host: str = "127.0.0.1"
-    port: int = 9001
+    port: Annotated[int, Interval(ge=1, le=65_535)] = 9001

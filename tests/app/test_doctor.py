@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.config import Settings
 from halo_service.app.doctor import Finding, examine, told
 from halo_service.outputs.settings import ControlSettings, ZenohSettings
+from halo_service.settings import Settings
 
 
 def findings(settings: Settings) -> dict[str, Finding]:

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.outputs.jsonl import frame_line
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import save
 from halo_service.sensing.pointers import describe
+from halo_service.settings import Settings
 from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchFrame
 from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import frames

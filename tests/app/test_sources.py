@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from halo_service.app.config import SourceSettings, load
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
+from halo_service.settings import SourceSettings, load
 
 
 def test_a_recording_in_the_home_folder_is_found_there(

@@ -16,11 +16,11 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.cli import main
-from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector
 from halo_service.profile.store import load, save
+from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
 
 SIM = "sim:idle?seed=202&material=paper"

@@ -16,11 +16,11 @@ from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_service.app.cli import main
-from halo_service.app.config import Settings
 from halo_service.app.hand_detector import HandDetector
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
+from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame

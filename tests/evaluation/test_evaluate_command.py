@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.config import Settings
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.profile.store import load, save
+from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
 
 

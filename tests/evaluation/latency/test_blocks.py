@@ -13,7 +13,6 @@ from halo_calibration.base import choose_base
 from halo_calibration.plane import solve_plane, surface_from_view
 from halo_service.app.bench import Service
 from halo_service.app.cli import main
-from halo_service.app.config import Settings, TrackingSettings
 from halo_service.evaluation.latency.blocks import Block, run
 from halo_service.evaluation.latency.listener import Listener
 from halo_service.evaluation.latency.raw_frames import Player, handed, unpacked
@@ -23,6 +22,7 @@ from halo_service.evaluation.latency.stopwatch import Stopwatch
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import HeldState, Profile, TouchStates
 from halo_service.profile.store import save
+from halo_service.settings import Settings, TrackingSettings
 from halo_service.sources import EndOfSource
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halo_service.app.config import Settings
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_profile import virtual_profile
 from halo_service.evaluation.study.recording import (
@@ -25,6 +24,7 @@ from halo_service.evaluation.study.recording import (
 from halo_service.evaluation.study.sense import Once, Remembered, together
 from halo_service.profile import Profile
 from halo_service.runtime.method import OURS
+from halo_service.settings import Settings
 from halo_service.values import Frame, Hand, Pointer, Side, TouchFrame
 from halo_service.virtual.offline import Take
 from halo_service.virtual.sim_url import parse_sim_url

@@ -1,0 +1,6 @@
+"""The settings of the service: one model of `halo.toml`, and how the file is read."""
+
+from halo_service.settings.file import load
+from halo_service.settings.model import Settings, SourceSettings, TrackingSettings, default_node
+
+__all__ = ["Settings", "SourceSettings", "TrackingSettings", "default_node", "load"]

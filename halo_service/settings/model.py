@@ -1,0 +1,66 @@
+"""All of `halo.toml` as frozen dataclasses; `[osc]` and `[sensing]` live beside their code.
+
+Rule: a setting is defined once. Its type, range, default and description are here or there, and
+reading, error sentences and the JSON schema follow from them.
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+from annotated_types import Interval
+from pydantic import ConfigDict, Field
+
+from halo_service.outputs.settings import ControlSettings, OscSettings, ZenohSettings
+from halo_service.sensing.settings import SensingSettings
+
+
+def default_node() -> str:
+    """Return this machine's name as the protocol allows it: `[a-z0-9_-]{1,32}`."""
+    return re.sub(r"[^a-z0-9_-]+", "-", platform.node().lower()).strip("-")[:32] or "halo"
+
+
+@dataclass(frozen=True, slots=True)
+class SourceSettings:
+    """`[source]` in halo.toml: where frames come from."""
+
+    name: str = "auto"
+    """`azure-kinect`, `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
+    loop: bool = False
+    """Start a recording again when it ends."""
+    fast: bool = False
+    """Play a recording as fast as possible."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingSettings:
+    """`[tracking]` in halo.toml: how hands are found."""
+
+    model: str = ""
+    """Path of a hand landmarker bundle; empty: the one in the user's cache folder."""
+    max_hands: Annotated[int, Interval(ge=1, le=4)] = 2
+    """Number of hands to look for; the second costs time even while it is absent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """All of halo.toml."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+    """The sections inherit it."""
+
+    node: Annotated[str, Field(pattern="^[a-z0-9_-]{1,32}$")] = field(default_factory=default_node)
+    """Name of this service on the network; default: this machine's name."""
+    profile: str = ""
+    """The calibration: a path if it has a separator, else a name in the user's data folder."""
+    source: SourceSettings = field(default_factory=SourceSettings)
+    osc: OscSettings = field(default_factory=OscSettings)
+    zenoh: ZenohSettings = field(default_factory=ZenohSettings)
+    control: ControlSettings = field(default_factory=ControlSettings)
+    sensing: SensingSettings = field(default_factory=SensingSettings)
+    tracking: TrackingSettings = field(default_factory=TrackingSettings)

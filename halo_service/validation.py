@@ -1,0 +1,99 @@
+"""What pydantic found wrong, as sentences that a user can act on."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from difflib import get_close_matches
+from typing import Any, get_args, get_type_hints
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+WORDS = {
+    "string_type": "text",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "bool_type": "true or false",
+    "tuple_type": "a list of text",
+}
+BOUNDS = {
+    "greater_than": "gt",
+    "greater_than_equal": "ge",
+    "less_than": "lt",
+    "less_than_equal": "le",
+    "finite_number": "",
+}
+"""Errors of a number's range, and the bound that it violates."""
+
+
+def sentences(error: ValidationError, kind: type) -> list[str]:
+    """Return one sentence per error; `kind`: the dataclass that was validated."""
+    return [_sentence(each, kind) for each in error.errors()]
+
+
+def _sentence(error: ErrorDetails, kind: type) -> str:
+    """Say one error as `section: 'key' must be ..., not ...`."""
+    loc = error["loc"]
+    keys = [part for part in loc if isinstance(part, str)]
+    if error["type"] == "value_error":  # by a __post_init__, which knows no section
+        return "".join(f"{key}: " for key in keys) + str(error["ctx"]["error"])
+    where = "".join(f"{key}: " for key in keys[:-1])
+    key = keys[-1] if keys else ""
+    if error["type"] == "unexpected_keyword_argument":
+        return where + _unknown(key, [each.name for each in fields(_inner(kind, keys[:-1]))])
+    if error["type"] == "missing":
+        return f"{where}'{key}' is missing"
+    if error["type"] == "dataclass_type":
+        return f"{where}'{key}' must be a table: [{key}]"
+    return f"{where}'{key}' must be {_allowed(error, kind, keys)}, not {_shown(error['input'])}"
+
+
+def _unknown(key: str, known: list[str]) -> str:
+    near = get_close_matches(key, known, 1)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    return f"unknown key '{key}'; known: {', '.join(known)}{hint}"
+
+
+def _allowed(error: ErrorDetails, kind: type, keys: list[str]) -> str:
+    """Say what a value must be."""
+    if error["type"] in BOUNDS:
+        return _range(get_type_hints(_inner(kind, keys[:-1]), include_extras=True)[keys[-1]])
+    if error["type"] == "literal_error":
+        return " or ".join(map(str, get_args(_inner(kind, keys))))
+    if error["type"] == "string_pattern_mismatch":
+        return f"text that matches {error['ctx']['pattern']}"
+    if error["type"] == "string_type" and len(error["loc"]) > len(keys):
+        return WORDS["tuple_type"]
+    return WORDS.get(error["type"], error["msg"].partition(" be ")[2] or error["msg"])
+
+
+def _range(hint: Any) -> str:
+    """Say a number's range by its annotations: `Gt`, `Ge` or `Interval`."""
+    bounds = {
+        name: bound
+        for each in getattr(hint, "__metadata__", ())
+        for name in ("gt", "ge", "le")
+        if (bound := getattr(each, name, None)) is not None
+    }
+    match bounds:
+        case {"ge": least, "le": most}:
+            return f"from {least:g} to {most:g}"
+        case {"ge": least}:
+            return f"{least:g} or more"
+        case {"gt": least}:
+            return f"more than {least:g}"
+    return "a finite number"
+
+
+def _inner(kind: Any, keys: list[str]) -> Any:
+    """Return the type that is found by following keys from a dataclass."""
+    for key in keys:
+        kind = get_type_hints(kind)[key] if is_dataclass(kind) else kind
+    return kind
+
+
+def _shown(value: object) -> str:
+    """Return a value as it is shown in a sentence, at most 60 characters."""
+    text = f"{value:g}" if type(value) is float else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

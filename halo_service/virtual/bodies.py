@@ -29,8 +29,8 @@ class Body:
     """(V,) reflectance in the near infrared, 0 to 1."""
     colour: NDArray[np.float32]
     """(V, 3) reflectance, blue green red, 0 to 1."""
-    deeper_mm: float = 0.0
-    """How much too far it reads: light that goes into skin comes back late."""
+    offset_mm: NDArray[np.float32] | None = None
+    """(V,) how much too far it reads: light that enters skin comes back late; None: nothing."""
 
 
 def of_hand(user: User, hand: PosedHand) -> Body:
@@ -41,7 +41,7 @@ def of_hand(user: User, hand: PosedHand) -> Body:
         hand.faces,
         looks.infrared(user),
         looks.colour(user),
-        user.skin_depth_mm,
+        looks.offset_mm(user),
     )
 
 

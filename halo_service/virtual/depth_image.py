@@ -33,7 +33,9 @@ class Ideal:
     infrared: Image
     """Counts."""
     covered: NDArray[np.uint8]
-    """255 where a body stands before the table."""
+    """255 where a body is in front of the table."""
+    late: Image
+    """mm that a body reads too far, already in `depth`; 0 beside the bodies."""
 
 
 class DepthImager:
@@ -46,7 +48,9 @@ class DepthImager:
         self._light = scene.illumination(self.view)
         shape = self.view.depth.shape
         infrared = self.top.infrared * self.view.facing * self._light
-        still = Ideal(self.view.depth.copy(), infrared, np.zeros(shape, np.uint8))
+        still = Ideal(
+            self.view.depth.copy(), infrared, np.zeros(shape, np.uint8), np.zeros(shape, np.float32)
+        )
         for name in room.props:
             if name in SOLID:
                 self._put(SOLID[name](), still)
@@ -55,7 +59,9 @@ class DepthImager:
     def draw(self, bodies: Sequence[Body]) -> Ideal:
         """The room with these bodies in it."""
         still = self._still
-        ideal = Ideal(still.depth.copy(), still.infrared.copy(), still.covered.copy())
+        ideal = Ideal(
+            still.depth.copy(), still.infrared.copy(), still.covered.copy(), still.late.copy()
+        )
         for body in bodies:
             self._put(body, ideal)
         return ideal
@@ -66,12 +72,14 @@ class DepthImager:
         normals = body.normals @ self._surface.camera_from_surface[:3, :3].T
         facing = -np.einsum("ij,ij->i", normals, points) / np.linalg.norm(points, axis=1)
         shine = body.infrared * np.clip(facing, GRAZING, 1.0)
-        at_pixel = seen.mix(np.column_stack([points[:, 2], shine]).astype(np.float32))
-        behind = into.depth.ravel().take(seen.pixel)
+        late = np.zeros(len(points)) if body.offset_mm is None else body.offset_mm
+        at_pixel = seen.mix(np.column_stack([points[:, 2], shine, late]).astype(np.float32))
+        behind = into.depth.ravel().take(seen.pixel) - into.late.ravel().take(seen.pixel)
         nearer = np.flatnonzero(at_pixel[:, 0] < behind)
-        pixel, depth, shine = seen.pixel[nearer], at_pixel[nearer, 0], at_pixel[nearer, 1]
+        pixel, (depth, shine, late) = seen.pixel[nearer], at_pixel[nearer].T
         # Nearer than the table behind it: the light is stronger by the square of the distance.
         closer = (self.view.depth.ravel().take(pixel) / depth) ** 2
         into.infrared.ravel()[pixel] = shine * self._light.ravel().take(pixel) * closer
-        into.depth.ravel()[pixel] = depth + np.float32(body.deeper_mm)
+        into.depth.ravel()[pixel] = depth + late
+        into.late.ravel()[pixel] = late
         into.covered.ravel()[pixel] = 255

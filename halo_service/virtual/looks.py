@@ -45,6 +45,13 @@ def colour(user: User) -> Reflectance:
 
 
 @functools.lru_cache(maxsize=8)
+def offset_mm(user: User) -> Reflectance:
+    """(V,) how much too far it reads, mm: skin does, cloth reads right
+    (Azure-Kinect-Sensor-SDK #1341)."""
+    return (user.skin_offset_mm * ~_sleeve(user)).astype(np.float32)
+
+
+@functools.lru_cache(maxsize=8)
 def cloth_mm(user: User) -> Reflectance:
     """(V,) how far the surface stands off the skin."""
     return (CLOTH_MM * _sleeve(user)).astype(np.float32)

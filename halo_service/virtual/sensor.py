@@ -6,6 +6,7 @@ gives the same bytes in any order. The truth stays outside: nothing of it is in 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import cv2
@@ -23,7 +24,7 @@ from halo_service.virtual.lows import dents_of
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.room import Room
 from halo_service.virtual.scene import Image
-from halo_service.virtual.skeleton import PosedHand
+from halo_service.virtual.skeleton import PosedHand, User
 
 EDGE_STEP_MM = 30.0
 """A step between neighbouring pixels above which the device gives no depth for most of them: the
@@ -50,6 +51,7 @@ class Sensor:
 
     def __init__(self, room: Room, *, colour_times: int = 1, started_us: int = 0) -> None:
         self.room = room
+        self._user = _as_read(room)
         self.camera = factory()
         self.surface = room.surface()
         self._started_us = started_us
@@ -77,6 +79,7 @@ class Sensor:
         Takes as long as making a sensor; the projector goes on with what `show` gave it.
         """
         self.room = room
+        self._user = _as_read(room)
         self._imager = DepthImager(room, self.camera, self.surface)
         if self._colour is None:
             return
@@ -89,7 +92,7 @@ class Sensor:
     ) -> Frame:
         """The frame exposed at `time_us` with these hands and things in view."""
         rng = np.random.default_rng([self.room.seed, time_us])
-        seen = [*(shapes.of_hand(self.room.user, hand) for hand in hands), *things]
+        seen = [*(shapes.of_hand(self._user, hand) for hand in hands), *things]
         age_s = (time_us - self._started_us) / 1e6
         ideal = self._imager.draw(seen)
         lost = _soften_edges(ideal, self._imager.view.depth, rng)
@@ -132,6 +135,12 @@ class Sensor:
         image = self._colour.draw(t_s, seen, velocities)
         self._electronics.grain(image, rng)
         return self._colour.enlarge(image)
+
+
+def _as_read(room: Room) -> User:
+    """The user, with as much of the skin's offset as this sensor shows."""
+    offset_mm = room.user.skin_offset_mm * room.sensor.skin_times
+    return dataclasses.replace(room.user, skin_offset_mm=offset_mm)
 
 
 def _soften_edges(

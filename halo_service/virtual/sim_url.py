@@ -13,12 +13,19 @@ from halo_service.virtual.pictures import findable
 from halo_service.virtual.props import sheets
 from halo_service.virtual.room import Room, draw_room
 from halo_service.virtual.scenarios import FURNISHED, SCENARIOS
+from halo_service.virtual.sensor_model import SENSORS, SensorModel
 
 DEFAULT = "demo"
 
 
 def _side(text: str) -> Side:
     return {"left": Side.LEFT, "right": Side.RIGHT}[text]
+
+
+def _sensor(text: str) -> SensorModel:
+    if text not in SENSORS:
+        raise UserError(f"unknown virtual sensor {text!r}; choose from: {', '.join(SENSORS)}.")
+    return SENSORS[text]
 
 
 def _list(text: str) -> tuple[str, ...]:
@@ -40,11 +47,13 @@ OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "blur_px": ("blur_px", float),
     "exposure_ms": ("exposure_ms", float),
     "labels": ("labels", str),
+    "sensor": ("sensor", _sensor),
     "hand_size": ("user.size", float),
     "girth": ("user.girth", float),
     "pad_mm": ("user.pad_mm", float),
     "pad_g": ("user.pad_g", float),
     "skin": ("user.skin", float),
+    "skin_offset_mm": ("user.skin_offset_mm", float),
     "nail_mm": ("user.nail_mm", float),
     "sleeve_mm": ("user.sleeve_mm", float),
     "curl": ("user.curl", float),

@@ -45,8 +45,9 @@ class User:
     blind to the melanin that the eye sees (chosen within published spectra at 850 nm)."""
     tone: tuple[float, float, float] = (0.36, 0.48, 0.70)
     """Colour of the skin, blue green red, 0 to 1."""
-    skin_depth_mm: float = 2.0
-    """How much too far skin reads, as light goes into it; 1 to 4 mm, chosen."""
+    skin_offset_mm: float = 9.0
+    """How much too far skin reads: infrared light enters it and comes back late
+    (Azure-Kinect-Sensor-SDK #1341: 8 to 15 mm, by person)."""
     nail_mm: float = 10.0
     """Visible length of the nails."""
     sleeve_mm: float | None = None

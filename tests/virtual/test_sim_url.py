@@ -64,6 +64,8 @@ MISTAKES = [
     ("sim:demo?hand_size=-1", "size is -1; give 0.7 to 1.3"),
     ("sim:demo?onset_mm=0", "onset_mm is 0"),
     ("sim:demo?projected=/nowhere.png", "finds no picture '/nowhere.png'"),
+    ("sim:demo?sensor=ideal", "unknown virtual sensor 'ideal'; choose from: true, kind"),
+    ("sim:demo?skin_offset_mm=40", "skin_offset_mm is 40; give 0 to 30"),
     ("sim:labels", "needs a file: sim:labels?labels=FILE"),
     ("sim:labels?labels=/nowhere.txt", "cannot be read"),
 ]

@@ -19,8 +19,8 @@ import miniaudio
 import numpy as np
 import pygame
 
-from halo_client import Placing, TouchKey
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client import PictureTransform, TouchKey
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_drums.bank import Bank, make_bank
 from halo_drums.kit import KIT
 from halo_drums.mixer import BLOCK, Mixer
@@ -55,7 +55,7 @@ def play(bank: Bank, seconds: float, name: str) -> None:
     pygame.display.init()
     pygame.font.init()
     screen = pygame.display.set_mode(SIZE)
-    placed = Placed(Placing.fitted(*SIZE, WIDTH_MM, HEIGHT_MM), WIDTH_MM, HEIGHT_MM)
+    placed = Placed(PictureTransform.fitted(*SIZE, WIDTH_MM, HEIGHT_MM), WIDTH_MM, HEIGHT_MM)
     view = View(KIT)
     with Speakers(Mixer(bank), [miniaudio.Backend.NULL]) as speakers:
         for picture in range(round(seconds * PICTURES_HZ)):

@@ -11,8 +11,8 @@ import time
 import numpy as np
 import pygame
 
-from halo_client import Placing
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client import PictureTransform
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_paint.brushes import BRUSHES
 from halo_paint.painter import Painter
 from halo_paint.view import View
@@ -28,7 +28,7 @@ def main() -> None:
     pygame.display.init()
     pygame.font.init()
     screen = pygame.display.set_mode(SIZE)
-    placed = Placed(Placing.fitted(*SIZE, WIDTH_MM, HEIGHT_MM), WIDTH_MM, HEIGHT_MM)
+    placed = Placed(PictureTransform.fitted(*SIZE, WIDTH_MM, HEIGHT_MM), WIDTH_MM, HEIGHT_MM)
     view, painter = View(SIZE, placed), Painter(brush=BRUSHES[0])
     took_ms = []
     worked_s = time.process_time()

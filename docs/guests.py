@@ -25,7 +25,7 @@ from matplotlib.axes import Axes
 
 import halo_client
 from halo_client import FileSource
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_drums.kit import KIT
 from halo_drums.player import Hit, Player, Shape
 from halo_drums.render import render, write_wav

@@ -1,9 +1,9 @@
-"""Writes what is made from the code: `vectors/*.json`, and the tables in `SPEC.md`.
+"""Writes the generated files: `vectors/*.json`, and the tables in `SPEC.md`.
 
     python protocol/generate.py           write them
-    python protocol/generate.py --check   say which differ from the code, and fail if any does
+    python protocol/generate.py --check   list outdated files, and fail if there is any
 
-This is the one place of the protocol that touches files.
+Only this part of the protocol reads or writes files.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--check", action="store_true", help="write nothing, compare")
     check = parser.parse_args(argv).check
-    stale = [path for path, text in made().items() if _differs(path, text)]
+    stale = [path for path, text in generated().items() if _differs(path, text)]
     for path in stale:
         sys.stdout.write(f"{'differs' if check else 'written'}: {path.relative_to(HERE)}\n")
         if not check:
-            path.write_text(made()[path], encoding="utf-8")
+            path.write_text(generated()[path], encoding="utf-8")
     return 1 if check and stale else 0
 
 
-def made() -> dict[Path, str]:
-    """Each generated file, as it should be."""
+def generated() -> dict[Path, str]:
+    """Path -> expected text of each generated file."""
     tables: list[tuple[str, list[Any], Callable[[Any], Json]]] = [
         ("frames", FRAMES, frame_vector),
         ("reports", REPORTS, report_vector),
@@ -72,7 +72,7 @@ def made() -> dict[Path, str]:
 
 
 def frame_vector(case: FrameCase) -> Json:
-    """A frame: its datagrams, each with what it says."""
+    """A frame: its datagrams, each with its messages."""
     datagrams = [
         {"messages": _messages(datagram), "hex": datagram.hex()} for datagram in case.datagrams()
     ]
@@ -80,14 +80,14 @@ def frame_vector(case: FrameCase) -> Json:
 
 
 def report_vector(case: ReportCase) -> Json:
-    """A message with a bundle of its own; `time_us` null is the timetag "now"."""
+    """A message in its own bundle; `time_us` null is the timetag "immediately"."""
     datagram = encode(case.surface, case.message, case.time_us)
-    said = {"surface": case.surface, "time_us": case.time_us, "messages": _messages(datagram)}
-    return {**_named(case), **said, "hex": datagram.hex()}
+    view = {"surface": case.surface, "time_us": case.time_us, "messages": _messages(datagram)}
+    return {**_named(case), **view, "hex": datagram.hex()}
 
 
 def reading_vector(case: BytesCase) -> Json:
-    """A datagram of a stranger: what is found in it."""
+    """A datagram of another program, with the messages in it."""
     found = [
         {"surface": surface, **_message(message)} for surface, message in decode(case.datagram)
     ]
@@ -95,21 +95,21 @@ def reading_vector(case: BytesCase) -> Json:
 
 
 def malformed_vector(case: BytesCase) -> Json:
-    """A datagram that is refused, and how this reader puts it."""
+    """A datagram that is refused, with the error of this reader."""
     return {**_named(case), "hex": case.datagram.hex(), "refusal": refusal(case.datagram)}
 
 
 def refusal(datagram: bytes) -> str:
-    """The sentence with which a datagram is refused."""
+    """The error sentence for a malformed datagram."""
     try:
         found = decode(datagram)
     except ProtocolError as error:
         return str(error)
-    raise AssertionError(f"{datagram!r} should be refused, and says {found}")
+    raise AssertionError(f"{datagram!r} should be refused, but contains {found}")
 
 
 def assembly_vector(case: AssemblyCase) -> Json:
-    """Datagrams and the events that each brings."""
+    """Datagrams and the events of each."""
     assembler = Assembler()
     return {**_named(case), "steps": [_step(assembler, step) for step in case.steps]}
 
@@ -118,12 +118,12 @@ def _step(assembler: Assembler, step: Step) -> Json:
     if step.datagram is None:
         events = assembler.expire(step.at_s)
         return {"at_s": step.at_s, "hex": None, "events": [event_to_json(e) for e in events]}
-    said: Json = {"at_s": step.at_s, "hex": step.datagram.hex()}
+    view: Json = {"at_s": step.at_s, "hex": step.datagram.hex()}
     try:
         events = assembler.receive_data(step.datagram, step.at_s)
     except ProtocolError as error:
-        return {**said, "refusal": str(error)}
-    return {**said, "events": [event_to_json(event) for event in events]}
+        return {**view, "refusal": str(error)}
+    return {**view, "events": [event_to_json(event) for event in events]}
 
 
 def _named(case: FrameCase | ReportCase | BytesCase | AssemblyCase) -> Json:
@@ -147,7 +147,7 @@ def _differs(path: Path, text: str) -> bool:
 
 
 def with_tables(spec: str) -> str:
-    """The specification with what stands between its marks made anew."""
+    """The specification with its generated sections replaced."""
     for name, text in {"messages": message_tables(), "enumerations": enumerations()}.items():
         begin, end = f"<!-- generated: {name} -->\n", f"<!-- end: {name} -->\n"
         before, found, rest = spec.partition(begin)
@@ -158,7 +158,7 @@ def with_tables(spec: str) -> str:
 
 
 def message_tables() -> str:
-    """One table a message: arguments in order, types and meanings."""
+    """One table per message: arguments in order, types and meanings."""
     return "\n".join(_message_table(row) for row in ROWS)
 
 
@@ -174,19 +174,19 @@ def _message_table(row: Row) -> str:
     ]
     for field in row.fields:
         count = {1: "", None: " ..."}.get(field.length, f" x {field.length}")
-        meaning = _words(field.name) or docs[field.name]
+        meaning = _enumeration(field.name) or docs[field.name]
         lines.append(f"| `{field.name}` | `{field.tag}`{count} | {meaning} |")
     return "\n".join([*lines, ""])
 
 
-def _words(field: str) -> str:
-    """`0 hover, 1 touch`; nothing where the field is no enumeration."""
+def _enumeration(field: str) -> str:
+    """`0 hover, 1 touch`; empty if the field is not an enumeration."""
     members = ENUMERATIONS.get(field, ())
     return ", ".join(f"{member.value} `{member.name.lower()}`" for member in members)
 
 
 def enumerations() -> str:
-    """What is to be said of single words."""
+    """Explanations of single enumeration values."""
     lines = ["| field | word | meaning |", "|---|---|---|"]
     for name, members in ENUMERATIONS.items():
         docs = _documented(members.__name__)

@@ -33,8 +33,8 @@ from halo_service.evaluation.latency.simulate import Take, draw
 from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
 from halo_service.files import from_home
 from halo_service.hand_tracking.hands import HandTracker
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.osc import OscOutput
-from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit, require_touch
 from halo_service.runtime.tracker_thread import TrackerThread
@@ -110,7 +110,7 @@ class Service:
         """Send OSC to a port of this machine."""
         carrier = TimedCarrier(OscOutput([("127.0.0.1", port)]), watch)
         name, take = self._profile.surface.name, self._take
-        frames = Wire(NODE, SESSION, 0)
+        frames = FrameEncoder(NODE, SESSION, 0)
         return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close
 
     def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:

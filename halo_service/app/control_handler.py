@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from halo_service.app.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
-from halo_service.outputs.control import ControlPort, Told
+from halo_service.outputs.control import ControlMessage, ControlPort
 from halo_service.sensing import State
 from halo_service.sources import Source
 
@@ -27,14 +27,14 @@ class ControlHandler:
         self._control = control
         self._keeper = keeper
         self._complained: set[str] = set()
-        self._rows: dict[str, Callable[[Told, State, Source | None], State]] = {
+        self._rows: dict[str, Callable[[ControlMessage, State, Source | None], State]] = {
             "/halo/1/sim/finger": _play_finger,
             "/halo/1/control/background": self._retake,
         }
 
     def obey(self, state: State, source: Source | None) -> State:
         """Obey all orders; return the state that they leave. `source`: None while it is lost."""
-        for told in self._control.take():
+        for told in self._control.drain():
             row = self._rows.get(told.address)
             try:
                 if row is None:
@@ -44,20 +44,20 @@ class ControlHandler:
                 self._complain(told, str(error))
         return self._keeper.refresh(state)
 
-    def _retake(self, told: Told, state: State, source: Source | None) -> State:
+    def _retake(self, told: ControlMessage, state: State, source: Source | None) -> State:
         """Take the background anew; the scene's revision tells when it is there."""
         del told, source
         self._keeper.retake()
         return state
 
-    def _complain(self, told: Told, why: str) -> None:
+    def _complain(self, told: ControlMessage, why: str) -> None:
         said = f"control: {told.address[:80]} was skipped: {why}"
         if said not in self._complained and len(self._complained) < REMEMBERED:
             self._complained.add(said)
             log.warning("%s", said)
 
 
-def _play_finger(told: Told, state: State, source: Source | None) -> State:
+def _play_finger(told: ControlMessage, state: State, source: Source | None) -> State:
     """Hand a finger's place to the virtual Kinect that is played by messages."""
     from halo_service.virtual.live import VirtualKinect
     from halo_service.virtual.scenarios.puppet import pull

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import halo_protocol as wire
 from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
-from halo_service.outputs.wire import Wire
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.profile import Profile, Projector
 from halo_service.runtime.health import Health
 from halo_service.sensing import DEFAULT_SURFACE, State
@@ -30,7 +30,12 @@ class Publisher:
     """What the live loop tells clients with."""
 
     def __init__(
-        self, frames: Wire, carriers: list[Carrier], kind: SourceKind, camera: Camera, surface: str
+        self,
+        frames: FrameEncoder,
+        carriers: list[Carrier],
+        kind: SourceKind,
+        camera: Camera,
+        surface: str,
     ) -> None:
         """`surface`: its name, in every address; `kind`: what stands behind the frames."""
         self._frames = frames
@@ -41,7 +46,7 @@ class Publisher:
 
     def frame(self, told: TouchFrame) -> None:
         """Send one frame."""
-        self._send("frame", self._frames.frame(told))
+        self._send("frame", self._frames.encode(told))
 
     def scene(self, state: State) -> None:
         """Send the scene, and pose and homography where a profile knows them."""

@@ -21,9 +21,9 @@ from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.osc import OscOutput, destination
 from halo_service.outputs.settings import LISTEN
-from halo_service.outputs.wire import Wire
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.live import LiveLoop
@@ -47,7 +47,7 @@ def serve(settings: Settings) -> None:
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
         profile = profile_for(source, kept, settings)
-        frames = Wire(node, secrets.token_hex(4), wire.first_frame(time.time_ns() // 1000))
+        frames = FrameEncoder(node, secrets.token_hex(4), wire.first_frame(time.time_ns() // 1000))
         publisher = Publisher(frames, carriers, source.kind, source.camera, surface)
         tracker = _tracker(source, profile, settings)
         if tracker is not None:

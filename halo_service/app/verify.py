@@ -125,7 +125,7 @@ class _Teller:
     def __init__(self, verification: Verification) -> None:
         self._verification = verification
         self.loop: LiveLoop | None = None
-        """Told to stop in the end; it is made after its publisher."""
+        """Stopped at the end; it is made after its publisher."""
 
     def frame(self, told: TouchFrame) -> None:
         """Take one frame."""

@@ -62,11 +62,11 @@ def _told_by(receiver: halo_client.Receiver) -> _Told:
     until_s = time.monotonic() + WAIT_S
     while time.monotonic() < until_s:
         receiver.poll(0.25)
-        for where, homography in receiver.known.homographies.items():
-            scene = receiver.known.scenes.get(where)
+        for where, homography in receiver.services.homographies.items():
+            scene = receiver.services.scenes.get(where)
             if scene is not None:
                 return _Told(where, scene, homography)
-    found = "tells of no projector" if receiver.known.scenes else "is not heard"
+    found = "tells of no projector" if receiver.services.scenes else "is not heard"
     raise UserError(
         f"verify: a service at {receiver.url} {found}: start 'halo serve' with a profile whose "
         f"projector is calibrated ('halo calibrate projector')"

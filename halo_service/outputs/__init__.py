@@ -1,6 +1,6 @@
-"""Where touches go: OSC, Zenoh, files.
+"""Output of touch frames: OSC, Zenoh, files.
 
-Rule: the wire's bytes are made once, in `wire`, and every carrier sends the same.
+Rule: a frame is encoded once, in `frame_encoder`; every carrier sends the same bytes.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from typing import Protocol
 
 
 class Carrier(Protocol):
-    """Takes datagrams somewhere. Never blocks, never raises for a receiver's sake."""
+    """Sends datagrams. It never blocks and never raises because of a receiver."""
 
     def send(self, kind: str, datagrams: list[bytes]) -> None:
-        """Send the datagrams of one message or frame. `kind`: the Zenoh key's last part."""
+        """Send the datagrams of one message or frame. `kind`: last part of the Zenoh key."""
 
     def close(self) -> None:
-        """Let go of sockets and sessions."""
+        """Close sockets and sessions."""

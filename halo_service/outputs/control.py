@@ -1,7 +1,7 @@
-"""The control port: what clients say to the service, by OSC over UDP.
+"""The control port: receives messages from clients, as OSC over UDP.
 
-Rule: every byte is distrusted. A bad datagram is counted, told once a sender, and skipped;
-the receiver never throws and its queue has a bound.
+Rule: trust no byte. A bad datagram is counted, logged once per sender and skipped; the
+receiver never raises and its queue is bounded.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from halo_service.errors import UserError
 log = logging.getLogger(__name__)
 
 QUEUE = 256
-"""Messages kept until the service takes them; the oldest go first."""
+"""Messages that wait for the service; when it is full, the oldest is dropped."""
 SENDERS = 64
-"""Senders of bad datagrams remembered, so that each is told of once."""
+"""Senders of bad datagrams that are remembered, so that each is logged once."""
 PORTS = range(1, 65_536)
-"""Ports that UDP has; 0 would be one that no client knows."""
+"""Valid UDP ports; 0 would be a random one that no client can know."""
 WAKE_S = 0.2
-"""How often the receiver looks whether it shall end."""
+"""How often the receiver checks whether it should end."""
 
 
-class Told(NamedTuple):
+class ControlMessage(NamedTuple):
     """One message from a client."""
 
     address: str
@@ -37,19 +37,20 @@ class Told(NamedTuple):
 
 
 class ControlPort:
-    """Receives in a thread of its own; the service takes messages when it has time."""
+    """Receives in its own thread; the service drains messages between frames."""
 
     def __init__(self, host: str, port: int) -> None:
-        """Bind the port. Raises `UserError` when it is none, taken, or the host is not ours."""
+        """Bind the port. Raises `UserError` for an invalid port, a port in use, or a host that is
+        not an address of this machine."""
         if port not in PORTS:
             raise UserError(
-                f"control: {port} is no port; choose one from {PORTS[0]} to {PORTS[-1]} with "
+                f"control: {port} is not a port; choose one from {PORTS[0]} to {PORTS[-1]} with "
                 f"--control-port"
             )
-        self._queue: deque[Told] = deque(maxlen=QUEUE)
+        self._queue: deque[ControlMessage] = deque(maxlen=QUEUE)
         self._strangers: set[tuple[str, int]] = set()
         self.bad = 0
-        """Datagrams that were no OSC."""
+        """Datagrams that were not OSC."""
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._socket.bind((host, port))
@@ -61,15 +62,15 @@ class ControlPort:
         self._thread = threading.Thread(target=self._receive, name="control", daemon=True)
         self._thread.start()
 
-    def take(self) -> list[Told]:
-        """Return what has come since the last call, oldest first."""
-        taken = []
+    def drain(self) -> list[ControlMessage]:
+        """Return the messages received since the last call, oldest first."""
+        messages = []
         while self._queue:
-            taken.append(self._queue.popleft())
-        return taken
+            messages.append(self._queue.popleft())
+        return messages
 
     def close(self) -> None:
-        """End the receiver and let the port go."""
+        """End the receiver and close the port."""
         self._ended.set()
         self._thread.join()
         self._socket.close()
@@ -80,7 +81,9 @@ class ControlPort:
                 datagram, sender = self._socket.recvfrom(65_536)
             except TimeoutError:
                 continue
-            except OSError as error:  # Windows reports a receiver that went away here
+            except (
+                OSError
+            ) as error:  # Windows reports here that an earlier receiver closed its port
                 log.debug("control: %s", error)
                 continue
             self._read(datagram, sender)
@@ -94,19 +97,19 @@ class ControlPort:
                 self._strangers.add(sender)
                 log.warning("control: skipped a datagram from %s:%d: %s", *sender, error)
             return
-        self._queue.extend(Told(address, arguments, sender) for address, arguments in messages)
+        self._queue.extend(
+            ControlMessage(address, arguments, sender) for address, arguments in messages
+        )
 
 
 def _refused(host: str, port: int, error: OSError) -> UserError:
-    """Say which of the two the system did not like: the port, or the host."""
+    """Explain which of the two is wrong: the port or the host."""
     if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
         remedy = "set [control] host to an address of this machine, such as 127.0.0.1"
     elif error.errno == errno.EADDRINUSE:
-        remedy = (
-            "another halo service may be running: end it, or choose another with --control-port"
-        )
+        remedy = "another halo service may be running: end it, or use another --control-port"
     else:
-        remedy = "choose another with --control-port"
+        remedy = "choose another port with --control-port"
     return UserError(
         f"control: port {port} on {host} cannot be opened ({error.strerror}); {remedy}"
     )

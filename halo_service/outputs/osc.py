@@ -11,15 +11,17 @@ log = logging.getLogger(__name__)
 
 
 def destination(text: str) -> tuple[str, int]:
-    """Read `host:port`. Raises `UserError` where it is none."""
+    """Read `host:port`. Raises `UserError` for anything else."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise UserError(f"osc: '{text}' is no destination; write host:port, like 127.0.0.1:9000")
+        raise UserError(
+            f"osc: '{text}' is not a destination; write host:port, such as 127.0.0.1:9000"
+        )
     return host.strip("[]"), int(port)
 
 
 class OscOutput:
-    """Sends every datagram to every destination. UDP: nobody is asked whether it arrived."""
+    """Sends every datagram to every destination, by UDP, without confirmation."""
 
     def __init__(self, destinations: list[tuple[str, int]]) -> None:
         """`destinations`: host and port. Raises `UserError` for a host that has no address."""
@@ -33,24 +35,25 @@ class OscOutput:
         self._refused: set[tuple[str, int]] = set()
 
     def send(self, kind: str, datagrams: list[bytes]) -> None:
-        """Send to all. What the system cannot take now is dropped: the next frame heals it."""
+        """Send to all. A datagram that the system cannot send now is dropped; the next frame
+        replaces it."""
         del kind
         for family, address in self._destinations:
             for datagram in datagrams:
                 try:
                     self._sockets[family].sendto(datagram, address)
                 except OSError as error:
-                    self._tell_once(address, error)
+                    self._log_once(address, error)
 
     def close(self) -> None:
         """Close the sockets."""
         for each in self._sockets.values():
             each.close()
 
-    def _tell_once(self, address: tuple[str, int], error: OSError) -> None:
+    def _log_once(self, address: tuple[str, int], error: OSError) -> None:
         if address not in self._refused:
             self._refused.add(address)
-            log.warning("osc: cannot send to %s:%d (%s); going on", *address[:2], error)
+            log.warning("osc: cannot send to %s:%d (%s); will keep trying", *address[:2], error)
 
 
 def _resolve(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:

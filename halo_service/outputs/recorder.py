@@ -1,10 +1,9 @@
-"""Frames into a Matroska file in the layout of the Azure Kinect SDK.
+"""Records frames to a Matroska file in the layout of the Azure Kinect SDK.
 
-Rule: what is written here reads back equal: depth and IR pixel for pixel (FFV1), JPEG byte
-for byte, the camera, and the time to 1 ms, which is Matroska's step as FFmpeg writes it. The
-same frames give the same bytes: no date, no random number. The file appears under its name
-only when it is complete. Encoding takes about 20 ms a frame: keep it off the path to the
-packet.
+Rule: a recording reads back equal: depth and IR pixel for pixel (FFV1), JPEG byte for byte,
+the camera, and the time to 1 ms (the time step of Matroska as FFmpeg writes it). The same
+frames give the same bytes: no date, no random number. The file gets its name only when it is
+complete. Encoding takes about 20 ms per frame: do it after the packet was sent.
 """
 
 from __future__ import annotations
@@ -35,20 +34,20 @@ _JPEG_QUALITY = 90
 """Of 100, for colour that comes as an array; the Kinect's own JPEG is about as large."""
 _FFV1 = {
     "level": "3",
-    "g": "1",  # each frame stands alone, so a lost one costs only itself
+    "g": "1",  # each frame is a key frame, so a damaged one does not affect others
     "slices": "4",
     "slicecrc": "1",  # a damaged frame is noticed when it is read
 }
 
 
 class Recorder:
-    """Writes one recording; a context manager that keeps nothing of a run that failed."""
+    """Writes one recording; a context manager that deletes the file when the run fails."""
 
     def __init__(self, path: Path, camera: Camera, *, fps: int, colour: bool) -> None:
-        """Open a file beside `path`; raises UserError where none can be written.
+        """Open a temporary file in the folder of `path`; raises UserError if that fails.
 
         `colour` asks for a COLOR track; ValueError for a camera without a colour lens, KeyError
-        or ValueError for one in none of the Azure Kinect's modes.
+        or ValueError for one that is in no mode of the Azure Kinect.
         """
         self._path = followed(path)
         self._lens = camera.colour if colour else None
@@ -86,10 +85,10 @@ class Recorder:
         self._attach(calibration)
 
     def write(self, frame: Frame) -> bool:
-        """Append `frame`; False where its time does not come after the last one's, by 1 ms.
+        """Append `frame`; False if its time is less than 1 ms after the last one.
 
-        Such a frame has no place in the file and is left out. Raises UserError where the file
-        cannot be written (nothing of it is kept then), ValueError for a frame of another size.
+        Such a frame is not written. Raises UserError if the file cannot be written (it is
+        deleted then), ValueError for a frame of another size.
         """
         time_ms = round(frame.time_us / 1000)
         if self._last_ms is not None and time_ms <= self._last_ms:
@@ -107,9 +106,9 @@ class Recorder:
         return True
 
     def close(self) -> None:
-        """Complete the file and give it its name; raises UserError where that fails.
+        """Complete the file and give it its name; raises UserError if that fails.
 
-        A recording without a frame is none: it is not kept, and said. May be called twice.
+        A recording without a frame is deleted, with a UserError. May be called twice.
         """
         if self._file.closed:
             return
@@ -127,13 +126,13 @@ class Recorder:
             raise self._cannot_write(error) from error
 
     def abort(self) -> None:
-        """Leave nothing behind. May be called twice, or after `close`, when it does nothing."""
+        """Delete the file. May be called twice; after `close` it does nothing."""
         try:
             self._file.close()
         except OSError:
-            # The disk is full: what did not fit is thrown away with the rest.
+            # The disk is full: the file is deleted below anyway.
             assert self._file.closed
-        self._container.close()  # writes no more, now that the file is closed
+        self._container.close()  # writes nothing, because the file is closed
         self._part.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
@@ -186,7 +185,7 @@ class Recorder:
 
 
 def _label(stream: Stream, title: str, mode: str) -> None:
-    """The SDK finds its tracks by number: that is one more than FFmpeg's index."""
+    """Label a track. The SDK finds tracks by number, which is FFmpeg's index plus 1."""
     stream.metadata["title"] = title
     stream.metadata[f"K4A_{title}_TRACK"] = str(stream.index + 1)
     stream.metadata[f"K4A_{title}_MODE"] = mode

@@ -1,7 +1,7 @@
 """The same bytes as Zenoh samples, from a peer inside the service.
 
-Keys: `halo/1/{node}/{surface}/{kind}`; a liveliness token says that the node is there; what is
-retained (scene, homography, pose) also answers queries.
+Keys: `halo/1/{node}/{surface}/{kind}`; a liveliness token announces the node; queries for
+scene, homography and pose get the latest one.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class ZenohOutput:
             self._publishers[kind].put(datagram)
 
     def close(self) -> None:
-        """Undeclare everything, then close: a peer that is closed first can hang."""
+        """Undeclare everything, then close: closing first can hang."""
         self._token.undeclare()
         for queryable in self._queryables:
             queryable.undeclare()
@@ -66,7 +66,7 @@ class ZenohOutput:
 
 
 def _open(settings: ZenohSettings) -> zenoh.Session:
-    config = _started_from(settings.config)
+    config = _base_config(settings.config)
     try:
         config.insert_json5("mode", json.dumps("peer"))
         _fill(config, "listen/endpoints", settings.listen, LISTEN)
@@ -82,8 +82,8 @@ def _open(settings: ZenohSettings) -> zenoh.Session:
         ) from error
 
 
-def _started_from(path: str) -> zenoh.Config:
-    """Read the user's Zenoh configuration, or take Zenoh's own where there is none."""
+def _base_config(path: str) -> zenoh.Config:
+    """Read the user's Zenoh configuration; without one, Zenoh's defaults."""
     if not path:
         return zenoh.Config()
     try:
@@ -95,13 +95,13 @@ def _started_from(path: str) -> zenoh.Config:
         ) from error
 
 
-def _fill(config: zenoh.Config, key: str, wanted: Any, default: Any) -> None:
-    """Set what the user wants, else leave what the file says, else our default.
+def _fill(config: zenoh.Config, key: str, value: Any, default: Any) -> None:
+    """Set the user's value, else keep the value of the file, else set our default.
 
-    Zenoh fills in what a file leaves out, so a file that says what Zenoh does says nothing.
+    Zenoh fills in missing values, so a value equal to Zenoh's default counts as not set.
     """
-    if wanted or config.get_json(key) == zenoh.Config().get_json(key):
-        config.insert_json5(key, json.dumps(wanted or default))
+    if value or config.get_json(key) == zenoh.Config().get_json(key):
+        config.insert_json5(key, json.dumps(value or default))
 
 
 def _endpoints(config: zenoh.Config, key: str) -> str:
@@ -109,7 +109,7 @@ def _endpoints(config: zenoh.Config, key: str) -> str:
 
 
 def _reason(error: zenoh.ZError) -> str:
-    """What went wrong in Zenoh's words, without where in Zenoh's sources it did."""
+    """Zenoh's error text without the position in Zenoh's source code."""
     words = re.sub(r"\s*\bat \S+\.rs:\d+\.?", "", str(error)).strip()
     inner = re.search(r'msg: "(.*?)", location', words)
     return inner[1] if inner else words.splitlines()[-1].strip(" =")

@@ -1,7 +1,7 @@
 """The halo protocol: touch, hover and pressure as OSC bundles.
 
-Rule: pure. No I/O, no clock, no dependencies: bytes and times come in by the door. `SPEC.md`
-beside this package is what it promises.
+Rule: pure. No I/O, no clock, no dependencies; bytes and times are arguments. `SPEC.md` in the
+folder above is the specification.
 """
 
 from halo_protocol.assembly import Assembler
@@ -42,7 +42,7 @@ from halo_protocol.names import (
     zenoh_key,
 )
 from halo_protocol.osc import Argument, parse_osc
-from halo_protocol.tally import UNKNOWN_STRIKE
+from halo_protocol.touch_counter import UNKNOWN_STRIKE
 from halo_protocol.version import VERSION, Verdict, verdict
 
 __all__ = [

@@ -1,8 +1,8 @@
-"""Datagrams in, events out: what a client does between its socket and its picture.
+"""Datagrams in, events out: the receiving half of a client.
 
-Rule: no I/O and no clock. The caller hands in bytes and the time on any clock that only goes
-forward; state is kept for a bounded number of (node, surface, session), so that two services
-never delete each other's pointers and no stranger can fill the memory.
+Rule: no I/O and no clock. The caller passes bytes and the time on a monotonic clock. State is
+separate for each (node, surface, session), so two services never delete each other's
+pointers, and bounded, so forged datagrams cannot fill the memory.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from halo_protocol.parts import Part, parts
 from halo_protocol.stream import Stream
 
 TIMEOUT_S = 3.0
-"""Silence after which a service is taken for gone; it sends at least once a second."""
+"""Silence after which a service counts as lost; it sends at least once a second."""
 SUPERSEDED_S = 0.5
-"""Likewise while it had pointers (hence a frame each 33 ms) and its node has a newer session:
-it was killed and started anew, and nobody wants to see the old fingers for three seconds."""
+"""The same for a session with pointers (it sends a frame every 33 ms) when its node has a newer
+session: the service was killed and restarted, and the old fingers must not stay for 3 s."""
 MAX_STREAMS = 64
-"""Sessions remembered at once; past it the one that was silent for longest is closed."""
+"""Sessions at the same time; beyond, the one that was silent for longest is closed."""
 
 
 class Assembler:
-    """One per socket or subscription. Not thread-safe: it belongs to the one who receives."""
+    """One per socket or subscription. Not thread-safe."""
 
     def __init__(self, timeout_s: float = TIMEOUT_S) -> None:
         self._timeout_s = timeout_s
@@ -31,14 +31,14 @@ class Assembler:
 
     @property
     def dropped(self) -> int:
-        """Parts of frames that were old, came twice, or contradicted their frame."""
+        """Parts of frames that were old, duplicate, or contradicted their frame."""
         return self._dropped_before + sum(stream.dropped for stream in self._streams.values())
 
     def receive_data(self, datagram: bytes, now_s: float) -> list[Event]:
-        """What a datagram tells, after what has expired by `now_s`.
+        """The events of a datagram, after those of sessions that have expired by `now_s`.
 
-        `ProtocolError` where the datagram is malformed; nothing has changed then, and the caller
-        counts it and goes on.
+        `ProtocolError` for a malformed datagram; the state is unchanged then, and the caller
+        counts it and continues.
         """
         arrived = parts(decode(datagram))
         events = self.expire(now_s)
@@ -50,7 +50,7 @@ class Assembler:
         return events
 
     def expire(self, now_s: float) -> list[Event]:
-        """Close what has been silent for too long; call it at least a few times a second."""
+        """Close sessions that were silent for too long; call it a few times a second."""
         newest = {(stream.node, stream.surface): stream for stream in self._streams.values()}
         events: list[Event] = []
         for key, stream in list(self._streams.items()):
@@ -58,7 +58,7 @@ class Assembler:
             limit_s = self._timeout_s
             if superseded and stream.holds_pointers:
                 limit_s = min(limit_s, SUPERSEDED_S)
-            if now_s - stream.heard_s > limit_s:
+            if now_s - stream.received_s > limit_s:
                 events += self._close(key)
         return events
 
@@ -68,7 +68,7 @@ class Assembler:
         if key not in self._streams:
             if len(self._streams) >= MAX_STREAMS:
                 streams = self._streams
-                events += self._close(min(streams, key=lambda key: streams[key].heard_s))
+                events += self._close(min(streams, key=lambda key: streams[key].received_s))
             self._streams[key] = Stream(part, now_s)
         events += self._streams[key].receive(part, now_s)
         return events

@@ -1,7 +1,7 @@
-"""What a message must be beyond its types, checked in both directions.
+"""Validity of messages beyond their types, checked when writing and when reading.
 
-Rule: only what a reader may rely on without looking (names it keys by, counts it allots for,
-sizes it divides by). An enumeration's number is not checked: a newer minor may add one.
+Rule: check only what a reader relies on (names used as keys, counts used for allocation, sizes
+used as divisors). Enumeration numbers are not checked: a newer minor version may add one.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from halo_protocol.names import check_name
 from halo_protocol.version import parse_version
 
 MAX_POINTERS = 64
-"""Fingers of three people and more; the alive list then still leaves room in each datagram."""
+"""Fingers of six people; the alive list still leaves room in each datagram."""
 MAX_EVENTS = 256
-"""Downs and ups of one frame: for each of 64 pointers its own, and what is repeated."""
+"""Downs and ups of one frame: those of 64 pointers, and repeated ones."""
 
 
 def _require(condition: bool, sentence: str) -> None:
@@ -94,4 +94,4 @@ CHECKS: dict[Any, Callable[[Any], None]] = {
     Pose: _pose,
     Health: _sender,
 }
-"""Message class -> what raises `ProtocolError` when such a message cannot be relied on."""
+"""Message class -> check that raises `ProtocolError` for an invalid message."""

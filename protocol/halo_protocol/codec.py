@@ -1,7 +1,7 @@
-"""Messages to bytes, and bytes to messages, by the table.
+"""Encodes messages to bytes and decodes bytes to messages, by the table.
 
-Rule: no message is known here by name but the parts of a frame. `encode*` refuses what
-`decode` would refuse, so nothing leaves that cannot be read.
+Rule: only the parts of a frame are named here. `encode*` refuses what `decode` would refuse, so
+nothing is sent that cannot be read.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _ROOT = ROOT.encode()
 def encode(surface: str, message: Message, time_us: int | None = None) -> bytes:
     """A bundle of one message; its timetag is `time_us` (Unix time) or "now".
 
-    Meant for scene, homography, pose and health. `ProtocolError` where a value cannot be sent.
+    Meant for scene, homography, pose and health. `ProtocolError` if a value cannot be sent.
     """
     tag = IMMEDIATELY if time_us is None else timetag(time_us)
     return bundle(tag, _encoded(surface, message))
@@ -70,7 +70,7 @@ def encode_frame(
 
 
 def _parts(items: list[bytes], room: int) -> list[list[bytes]]:
-    """Share out items in order, each part filled before the next; at least one part."""
+    """Split items in order, each part filled before the next; at least one part."""
     parts: list[list[bytes]] = [[]]
     left = room
     for item in items:
@@ -125,40 +125,40 @@ def _pack(numbers: struct.Struct, values: tuple[Any, ...], row: Row) -> bytes:
     try:
         raw = numbers.pack(*values)
     except (struct.error, OverflowError) as error:
-        raise ProtocolError(f"{row.kind}: {error}; {_told(row, values)}") from error
+        raise ProtocolError(f"{row.kind}: {error}; {_describe(row, values)}") from error
     _require_finite(values, row)
     return raw
 
 
 def _require_finite(values: tuple[Any, ...], row: Row) -> None:
-    # The sum of numbers that fit the wire is finite, and one that is not spoils it.
+    # The sum of finite float32 and int32 numbers is finite in float64.
     if not math.isfinite(sum(values)):
-        raise ProtocolError(f"{row.kind}: each number must be finite; {_told(row, values)}")
+        raise ProtocolError(f"{row.kind}: each number must be finite; {_describe(row, values)}")
 
 
-def _told(row: Row, values: tuple[Any, ...]) -> str:
+def _describe(row: Row, values: tuple[Any, ...]) -> str:
     return f"of {', '.join(field.name for field in row.fields)}: {values!r}"[:400]
 
 
 def decode(datagram: bytes) -> list[tuple[str, Message]]:
     """The messages in a datagram as (surface, message), in order.
 
-    Unknown addresses are passed over, and so is whatever follows the arguments that are known.
+    Unknown addresses are skipped, and so are arguments after the known ones.
     `ProtocolError` is all it raises.
     """
     found = []
     for start, end in message_spans(datagram):
         raw_address, position = read_string(datagram, start, end)
-        known = _known(raw_address)
-        if known is not None:
-            surface, row = known
+        found_row = _row_of(raw_address)
+        if found_row is not None:
+            surface, row = found_row
             found.append((surface, _decoded(row, datagram, position, end)))
     return found
 
 
 @lru_cache(maxsize=256)
-def _known(raw_address: bytes) -> tuple[str, Row] | None:
-    """Surface and row of an address; None where it is not one of ours."""
+def _row_of(raw_address: bytes) -> tuple[str, Row] | None:
+    """Surface and row of an address; None for an address of another program."""
     surface, separator, kind = raw_address.removeprefix(_ROOT).partition(b"/")
     row = ROW_OF_KIND.get(kind.decode("ascii", "replace"))
     if not raw_address.startswith(_ROOT) or not separator or row is None:
@@ -217,7 +217,7 @@ def _unpack(row: Row, data: bytes, position: int, end: int) -> tuple[tuple[Any, 
 
 
 def _folded(row: Row, values: tuple[Any, ...]) -> list[Any]:
-    """Arguments -> the message's fields, where some take several."""
+    """Arguments -> the fields of a message, for rows with fields of several arguments."""
     fields: list[Any] = []
     position = 0
     for field in row.fields:

@@ -1,6 +1,6 @@
-"""The frame counter: never backwards, not even over a restart.
+"""The frame counter.
 
-Rule: modular arithmetic lives here alone. No clock is read: Unix time comes in by the door.
+Rule: all modular arithmetic is here. No clock is read: Unix time is an argument.
 A counter seeded from time in steps of 10 ms stays ahead of whatever was sent before the
 restart as long as the source makes at most 100 frames a second.
 """
@@ -8,7 +8,7 @@ restart as long as the source makes at most 100 frames a second.
 MODULUS = 2**31
 """An OSC int is a signed 32-bit number; the counter uses its non-negative half."""
 WINDOW = 2**30
-"""Half of it: what is less than this ahead is newer, all else is older."""
+"""Half of it: a number less than this ahead is newer, any other is older."""
 STEP_US = 10_000
 
 

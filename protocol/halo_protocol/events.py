@@ -1,4 +1,4 @@
-"""What a client is told, once datagrams are put together.
+"""Events that an assembler reports to a client.
 
 Rule: values only.
 """
@@ -12,7 +12,7 @@ from halo_protocol.messages import Down, Health, Homography, Pointer, Pose, Scen
 
 @dataclass(frozen=True, slots=True)
 class TouchFrame:
-    """The whole truth of one moment on one surface."""
+    """The complete state of one surface at one moment."""
 
     surface: str
     node: str
@@ -23,24 +23,24 @@ class TouchFrame:
     pointers: tuple[Pointer, ...]
     """In the order of the alive list."""
     downs: tuple[Down, ...] = ()
-    """Touches that began and were not told before."""
+    """Touches that began, each reported once."""
     ups: tuple[Up, ...] = ()
-    """Touches that ended and were not told before."""
+    """Touches that ended, each reported once."""
     missed: int = 0
-    """Frames that the counter says were sent since the last one, and that never came."""
+    """Frames that were sent since the last one (by the counter) and never arrived."""
     complete: bool = True
-    """False where a part was lost: pointers of that part stay as they were last seen."""
+    """False if a part was lost: its pointers stay as in the frame before."""
 
     @property
     def events(self) -> tuple[Down | Up, ...]:
-        """Downs and ups, those of each finger in the order in which they happened."""
+        """Downs and ups; those of one finger in order of time."""
         both: tuple[Down | Up, ...] = (*self.downs, *self.ups)
         return tuple(sorted(both, key=in_order))
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a service says about itself: how it sees, where things are, how it fares."""
+    """A scene, homography, pose or health message of a service."""
 
     surface: str
     message: Scene | Homography | Pose | Health
@@ -48,7 +48,7 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """A service has gone silent, or made room for its next session; its pointers are closed."""
+    """A session is silent, or a newer one replaced it; its pointers are gone."""
 
     surface: str
     node: str

@@ -1,7 +1,7 @@
-"""The JSON view: the wire's fields under the wire's names, enumerations as words.
+"""The JSON view: the fields of the wire under the same names, enumerations as words.
 
-Rule: a view, not a second protocol. Replay files, `--json` and the golden vectors are written
-in it. A number that no word is known for stays a number.
+Rule: a view, not a second protocol. Replay files, `--json` and the golden vectors use it. A
+number without a known word stays a number.
 """
 
 from __future__ import annotations
@@ -44,18 +44,18 @@ _NUMBERS = {
 }
 
 _TOO_LARGE = 2.0**128
-"""What a float32 just cannot hold; NaN is not below it either."""
+"""The smallest power of two beyond float32; comparison with NaN is false, too."""
 
 
 def to_json(message: Message) -> dict[str, Any]:
-    """A message as a JSON object; its kind and surface stand beside it, not in it."""
+    """A message as a JSON object, without its kind and surface."""
     row = ROW_OF_MESSAGE[type(message)]
     values = zip(row.fields, row.fetch(message), strict=True)
     return {field.name: _viewed(field, value) for field, value in values}
 
 
 def event_to_json(event: Event) -> dict[str, Any]:
-    """An assembled frame, a report or a loss as one JSON object with its `kind`."""
+    """An event as one JSON object with its `kind`."""
     if isinstance(event, Report):
         kind = ROW_OF_MESSAGE[type(event.message)].kind
         return {"kind": kind, "surface": event.surface, **to_json(event.message)}
@@ -78,9 +78,9 @@ def event_to_json(event: Event) -> dict[str, Any]:
 
 
 def from_json(kind: str, view: dict[str, Any]) -> Message:
-    """A message from its view; keys that are not the wire's are passed over.
+    """A message from its view; unknown keys are ignored.
 
-    `ProtocolError` where a field is missing or is not of its type.
+    `ProtocolError` if a field is missing or has the wrong type.
     """
     row = ROW_OF_KIND.get(kind)
     if row is None:

@@ -1,9 +1,8 @@
-"""What is said on the wire, as frozen values.
+"""The messages of the wire, as frozen values.
 
-Rule: values only. Field names and their order are those of the table in `table.py` (a test
-holds the two together); a unit stands under each field whose name does not say it all.
-Numbers stay plain `int` and `float`: a newer minor version may send an enumeration's number
-that is not known here, and a reader keeps it.
+Rule: values only. Field names and their order are those of `table.py` (a test compares them);
+a docstring gives the unit or range of each field. Numbers stay plain `int` and `float`: a newer
+minor version may send an unknown enumeration number, and a reader keeps it.
 """
 
 from __future__ import annotations
@@ -43,12 +42,12 @@ class Calibration(IntEnum):
     NONE = 0
     """No profile: frames carry no pointers."""
     PARTIAL = 1
-    """Some steps are missing: what the pointers say is coarser than it could be."""
+    """Some steps are missing: pointers are less accurate than possible."""
     COMPLETE = 2
 
 
 class Source(IntEnum):
-    """What stands behind the pointers; a client never has to guess."""
+    """Where the pointers come from."""
 
     CAMERA = 0
     RECORDING = 1
@@ -61,7 +60,7 @@ class Tracker(IntEnum):
     OFF = 0
     STARTING = 1
     SEARCHING = 2
-    """Running, and sees no hand."""
+    """Running, no hand found."""
     TRACKING = 3
     FAILED = 4
 
@@ -72,7 +71,7 @@ class Camera(IntEnum):
     STARTING = 0
     RUNNING = 1
     LOST = 2
-    """Unplugged or silent; the service tries to get it back."""
+    """Unplugged or silent; the service tries to reopen it."""
     ENDED = 3
     """A recording reached its end."""
 
@@ -84,13 +83,13 @@ class Frame:
     node: str
     """Name of the service that sends, `[a-z0-9_-]{1,32}`."""
     session: str
-    """Name of this run of the service, likewise; new at every start."""
+    """Name of this run of the service, same characters; new at every start."""
     frame: int
     """Counts up modulo 2^31, never backwards over a restart."""
     time_s: int
     """Whole seconds of the frame's time: Unix time when live, the file's own time in replay."""
     time_frac_us: int
-    """The rest of it, 0 to 999999 microseconds."""
+    """Microseconds within the second, 0 to 999999."""
     count: int
     """Pointers of the whole frame, over all of its datagrams."""
 
@@ -105,9 +104,9 @@ class Pointer:
     """One fingertip above or on the surface, at the frame's time."""
 
     id: int
-    """Grows, and is not given to another finger while anyone could remember it."""
+    """Grows; not reused within a session."""
     slot: int
-    """The lowest small number that was free; 0 to 9 from this service."""
+    """The lowest free number; 0 to 9 from this service."""
     hand: int
     """A `Hand`."""
     finger: int
@@ -119,9 +118,9 @@ class Pointer:
     v: float
     """y over the surface's height; 0 far edge, 1 near edge, not clamped."""
     x_mm: float
-    """On the surface, from its top left corner as the user sits, to the right."""
+    """On the surface, from its top left corner as the user sees it, to the right."""
     y_mm: float
-    """Likewise, towards the user."""
+    """The same, towards the user."""
     hover_mm: float
     """Height of the pad above the surface; 0 in touch."""
     pressure: float
@@ -129,13 +128,13 @@ class Pointer:
     vx_mm_s: float
     """Velocity on the surface, to the right."""
     vy_mm_s: float
-    """Likewise, towards the user."""
+    """The same, towards the user."""
     confidence: float
     """0 to 1."""
     contacts: int
-    """How many touches this pointer has begun."""
+    """Number of touches that this pointer has begun."""
     force_g: float
-    """Grams; -1 where the press's true force is not known."""
+    """Grams; -1 if the force is unknown."""
 
     @property
     def touching(self) -> bool:
@@ -145,7 +144,7 @@ class Pointer:
 
 @dataclass(frozen=True, slots=True)
 class Alive:
-    """Who is alive: the full list of the frame's pointers."""
+    """The full list of the live pointers of a frame."""
 
     ids: tuple[int, ...]
     """The `id` of each live pointer, over all datagrams of the frame."""
@@ -153,45 +152,45 @@ class Alive:
 
 @dataclass(frozen=True, slots=True)
 class Down:
-    """A touch began; by `contacts`, its three copies are counted once."""
+    """A touch began; `contacts` identifies its three copies."""
 
     id: int
     """The pointer's."""
     slot: int
     """The pointer's."""
     u: float
-    """Where it happened, over the surface's width."""
+    """Position of the event, over the surface's width."""
     v: float
-    """Likewise, over its height."""
+    """The same, over its height."""
     strike_mm_s: float
-    """How fast the finger came down; -1 where that is not known."""
+    """Approach speed before contact; -1 if unknown."""
     ago_ms: float
-    """How long before the frame's time it happened."""
+    """Time of the event before the frame's time."""
     contacts: int
     """The pointer's `contacts` with this touch."""
 
 
 @dataclass(frozen=True, slots=True)
 class Up:
-    """A touch ended; counted once, likewise."""
+    """A touch ended; sent three times, too."""
 
     id: int
     """The pointer's."""
     slot: int
     """The pointer's."""
     u: float
-    """Where it happened, over the surface's width."""
+    """Position of the event, over the surface's width."""
     v: float
-    """Likewise, over its height."""
+    """The same, over its height."""
     ago_ms: float
-    """How long before the frame's time it happened."""
+    """Time of the event before the frame's time."""
     contacts: int
     """The number of the touch that ended."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What a client must know before it understands a frame."""
+    """Properties of the surface and the service."""
 
     node: str
     """As in the frame's header."""
@@ -202,20 +201,20 @@ class Scene:
     width_mm: float
     """The surface's size, left to right."""
     height_mm: float
-    """Likewise, far edge to near edge."""
+    """The same, far edge to near edge."""
     calibration: int
     """A `Calibration`."""
     revision: int
-    """Counts the changes of surface, homography and pose in this session."""
+    """Number of changes of surface, homography and pose in this session."""
     source: int
     """A `Source`."""
     rate_hz: float
-    """Frames a second that the source should deliver; 0 where it has no rate of its own."""
+    """Nominal frames per second of the source; 0 if it has none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Homography:
-    """Where a projector's pixels are on the surface."""
+    """Maps the surface to projector pixels."""
 
     node: str
     """As in the frame's header."""
@@ -224,16 +223,16 @@ class Homography:
     revision: int
     """The scene's `revision` that it belongs to."""
     width_px: int
-    """The projector's picture."""
+    """Width of the projector image."""
     height_px: int
-    """Likewise."""
+    """Its height."""
     projector_from_surface: tuple[float, ...]
     """9 floats, row by row: surface mm -> projector pixels, (0, 0) at the corner of the first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the camera and a printed marker are."""
+    """Poses of the camera and of a printed marker."""
 
     node: str
     """As in the frame's header."""
@@ -244,33 +243,33 @@ class Pose:
     camera_from_surface: tuple[float, ...]
     """12 floats, 3x4 row by row, mm: p_camera = M p_surface; the depth camera's frame."""
     anchor_from_surface: tuple[float, ...]
-    """Likewise for the printed marker; 12 zeros where `anchored` is 0."""
+    """The same for the printed marker; 12 zeros if `anchored` is 0."""
     anchored: int = 1
-    """1 where `anchor_from_surface` is known, else 0."""
+    """1 if `anchor_from_surface` is known, else 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """How the service fares, over the last second."""
+    """State of the service over the last second."""
 
     node: str
     """As in the frame's header."""
     session: str
     """As in the frame's header."""
     fps: float
-    """Frames sensed a second."""
+    """Processed frames per second."""
     latency_ms: float
-    """Median from frame received to packet sent; -1 where not known."""
+    """Median from frame received to packet sent; -1 if unknown."""
     drops: int
-    """Frames that the camera made and the service did not sense, in this session."""
+    """Camera frames that the service did not process, in this session."""
     bad_frames: int
-    """Frames that could not be sensed (no depth, all zero, a jump in time), in this session."""
+    """Invalid frames (no depth, all zero, a jump in time), in this session."""
     tracker: int
     """A `Tracker`."""
     camera: int
     """A `Camera`."""
     tracker_ms: float = -1.0
-    """Median age of the hands that a frame was sensed with; -1 where not known."""
+    """Median age of the hand tracker's result at a frame; -1 if unknown."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

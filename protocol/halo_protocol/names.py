@@ -1,7 +1,7 @@
 """Names, addresses and keys.
 
-Rule: everything that spells an OSC address or a Zenoh key lives here, and every name that
-comes in is checked here, so that no name can ever smuggle a separator or a wildcard.
+Rule: OSC addresses and Zenoh keys are built only here, and every name is checked here, so no
+name can contain a separator or a wildcard.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import re
 from halo_protocol.errors import ProtocolError
 
 MAJOR = 1
-"""Stands in every address and key: another major version is another language."""
+"""Part of every address and key: another major version is another protocol."""
 ROOT = f"/halo/{MAJOR}/"
 DEFAULT_SURFACE = "table"
 RESERVED_SURFACES = frozenset({"control", "sim"})
-"""`/halo/1/control/...` is what clients say to a service, `/halo/1/sim/...` plays its simulator."""
+"""`/halo/1/control/...` is for messages to a service, `/halo/1/sim/...` for its virtual camera."""
 ANY = "*"
 """Zenoh's wildcard for one chunk of a key."""
 ZENOH_KINDS = ("frame", "scene", "homography", "pose", "health")
@@ -25,14 +25,14 @@ _NAME = re.compile(r"[a-z0-9_-]{1,32}")
 
 
 def check_name(name: str, what: str) -> str:
-    """Return `name`, of a node or a session; `ProtocolError` where it is not `[a-z0-9_-]{1,32}`."""
+    """Return `name`, of a node or a session; `ProtocolError` if it is not `[a-z0-9_-]{1,32}`."""
     if not _NAME.fullmatch(name):
         raise ProtocolError(f"{what} must be 1 to 32 of a-z 0-9 _ -, not {name[:40]!r}")
     return name
 
 
 def check_surface(name: str) -> str:
-    """Return `name`; `ProtocolError` where it cannot be a surface's."""
+    """Return `name`; `ProtocolError` if it is not a valid surface."""
     if name in RESERVED_SURFACES:
         raise ProtocolError(f"surface {name!r} is reserved; choose another name")
     return check_name(name, "surface")

@@ -1,7 +1,7 @@
 """OSC 1.0 as bytes: strings, bundles, arguments.
 
-Rule: everything that trusts or distrusts a byte lives here. Whatever comes in, what goes out
-is a value or a `ProtocolError`; work is bounded by the datagram's size and `MAX_DEPTH`.
+Rule: bytes are checked here. For any input the result is a value or a `ProtocolError`; the work
+is bounded by the size of the datagram and `MAX_DEPTH`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ Argument = int | float | str | bytes | None
 """An OSC argument; None for `N` and `I`, which carry nothing."""
 
 MAX_BYTES = 65_507
-"""The largest payload of a UDP datagram; other carriers are held to it too."""
+"""The largest payload of a UDP datagram; also the limit on other carriers."""
 MAX_DEPTH = 4
-"""How deep bundles may lie in bundles. Nobody needs more than two."""
+"""Depth of nested bundles that is read. Real programs use at most two."""
 BUNDLE = b"#bundle\0"
 IMMEDIATELY = b"\0\0\0\0\0\0\0\x01"
 """The timetag that means "now"."""
@@ -33,7 +33,7 @@ _CONSTANTS: dict[str, bool | None] = {"T": True, "F": False, "N": None, "I": Non
 def timetag(time_us: int) -> bytes:
     """Microseconds since 1970 as an NTP timetag, rounded down; 0 becomes 1 January 1970."""
     seconds, rest_us = divmod(time_us, 1_000_000)
-    # NTP's seconds wrap in 2036, and every reader takes them modulo 2^32.
+    # NTP seconds wrap in 2036; readers use them modulo 2^32.
     return struct.pack(">II", (seconds + _NTP_FROM_UNIX_S) % 2**32, (rest_us << 32) // 1_000_000)
 
 
@@ -52,7 +52,7 @@ def bundle(tag: bytes, *messages: bytes) -> bytes:
 
 
 def message_spans(datagram: bytes) -> list[tuple[int, int]]:
-    """Where the messages of a datagram start and end, in order, out of however many bundles."""
+    """(start, end) of each message in a datagram, in order, with nested bundles flattened."""
     if len(datagram) > MAX_BYTES:
         raise ProtocolError(f"a datagram has at most {MAX_BYTES} bytes, not {len(datagram)}")
     if not datagram:
@@ -113,7 +113,7 @@ def _message(data: bytes, start: int, end: int) -> tuple[str, tuple[Argument, ..
     if not address.startswith("/"):
         raise ProtocolError(f"an OSC address begins with a slash: {address[:40]!r}")
     if position == end:
-        return address, ()  # Old senders leave out the tags of a message without arguments.
+        return address, ()  # Old senders omit the tags of a message without arguments.
     tags, position = read_text(data, position, end)
     if not tags.startswith(","):
         raise ProtocolError(f"type tags begin with a comma: {tags[:40]!r}")

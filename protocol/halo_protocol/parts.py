@@ -1,7 +1,7 @@
 """One datagram as parts of frames and reports.
 
-Rule: a part is whole or refused. It begins with its header, ends with the full alive list, and
-agrees with itself; what does not leaves by `ProtocolError` before anybody's state is touched.
+Rule: a part is whole or refused. It starts with its header, ends with the full alive list, and
+is consistent; otherwise `ProtocolError` is raised before any state changes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from halo_protocol.messages import (
 
 @dataclass(slots=True)
 class Part:
-    """What one datagram says of a frame."""
+    """The content of one datagram for one frame."""
 
     surface: str
     header: Frame
@@ -43,7 +43,7 @@ class Part:
         return self.header == other.header and self.ids == other.ids
 
     def add_event(self, event: Down | Up) -> None:
-        """Take in a down or up."""
+        """Append a down or up."""
         if len(self.events) == MAX_EVENTS:
             raise ProtocolError(f"a frame has at most {MAX_EVENTS} events")
         self.events.append(event)
@@ -59,7 +59,7 @@ class Part:
 
 
 def parts(messages: Iterable[tuple[str, Message]]) -> list[Part | Report]:
-    """The messages of one datagram, put together."""
+    """Group the messages of one datagram."""
     done: list[Part | Report] = []
     begun: dict[str, Part] = {}
     for surface, message in messages:

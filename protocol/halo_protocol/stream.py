@@ -1,6 +1,6 @@
-"""The frames of one session on one surface, put together from their parts.
+"""Assembles the frames of one session on one surface from their parts.
 
-Rule: a frame is told once, whole if all of its parts came, and never after a newer one.
+Rule: a frame is reported once, whole if all its parts arrived, and never after a newer one.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from halo_protocol.checks import MAX_EVENTS
 from halo_protocol.counter import ahead, is_newer
 from halo_protocol.events import Lost, TouchFrame
 from halo_protocol.parts import Part
-from halo_protocol.tally import Tally
+from halo_protocol.touch_counter import TouchCounter
 
 
 class Stream:
@@ -21,52 +21,52 @@ class Stream:
         self.surface = part.surface
         self.node = part.header.node
         self.session = part.header.session
-        self.heard_s = now_s
-        """When its last datagram came, on the caller's clock."""
+        self.received_s = now_s
+        """Arrival of its last datagram, on the caller's clock."""
         self.dropped = 0
-        """Parts that were old, came twice, or contradicted their frame."""
-        self._tally = Tally()
+        """Parts that were old, duplicate, or contradicted their frame."""
+        self._touches = TouchCounter()
         self._joining = True
-        """Until a whole frame was told."""
-        self._told: TouchFrame | None = None
+        """True until a whole frame was reported."""
+        self._last: TouchFrame | None = None
         self._pending: Part | None = None
 
     @property
     def holds_pointers(self) -> bool:
-        """Whether a client would draw something of it now."""
-        return self._told is not None and bool(self._told.pointers)
+        """Whether its last frame has pointers."""
+        return self._last is not None and bool(self._last.pointers)
 
     def receive(self, part: Part, now_s: float) -> list[TouchFrame]:
-        """The frames that this part completes, or shows to be incomplete for good."""
-        self.heard_s = now_s
-        if self._told is not None and not is_newer(part.header.frame, self._told.frame):
-            return self._after_the_fact(part, self._told)
+        """The frames that this part completes, or proves incomplete."""
+        self.received_s = now_s
+        if self._last is not None and not is_newer(part.header.frame, self._last.frame):
+            return self._late_events(part, self._last)
         frames = []
         if self._pending is None:
             self._pending = part
         elif is_newer(part.header.frame, self._pending.header.frame):
-            frames.append(self._tell(self._pending, complete=False))
+            frames.append(self._report(self._pending, complete=False))
             self._pending = part
         elif not self._merge(self._pending, part):
             self.dropped += 1
             return []
         if len(self._pending.pointers) == self._pending.header.count:
-            frames.append(self._tell(self._pending, complete=True))
+            frames.append(self._report(self._pending, complete=True))
             self._pending = None
         return frames
 
     def close(self) -> list[TouchFrame | Lost]:
-        """What a client is told when nothing more is expected: no pointers, open touches ended."""
+        """The last events of a lost session: no pointers, open touches ended."""
         events: list[TouchFrame | Lost] = []
-        ups = self._tally.close()
-        if self._told is not None and (self._told.pointers or ups):
+        ups = self._touches.close()
+        if self._last is not None and (self._last.pointers or ups):
             events.append(
-                replace(self._told, pointers=(), downs=(), ups=ups, missed=0, complete=True)
+                replace(self._last, pointers=(), downs=(), ups=ups, missed=0, complete=True)
             )
         return [*events, Lost(self.surface, self.node, self.session)]
 
     def _merge(self, pending: Part, part: Part) -> bool:
-        """Add a part to its frame; False where it belongs to another or brings nothing new."""
+        """Add a part to its frame; False if it belongs to another frame or adds nothing."""
         new_pointers = part.pointers.keys() - pending.pointers.keys()
         new_events = [event for event in part.events if event not in pending.events]
         if not part.agrees_with(pending) or not (new_pointers or new_events):
@@ -77,23 +77,25 @@ class Stream:
         pending.events += new_events
         return True
 
-    def _after_the_fact(self, part: Part, told: TouchFrame) -> list[TouchFrame]:
-        """Events of a frame that was told already, its pointers having been all there."""
-        if part.header.frame == told.frame and part.events:
-            downs, ups = self._tally.count(told.pointers, part.events)
+    def _late_events(self, part: Part, last: TouchFrame) -> list[TouchFrame]:
+        """Late events of a frame that was already reported."""
+        if part.header.frame == last.frame and part.events:
+            downs, ups = self._touches.count(last.pointers, part.events)
             if downs or ups:
-                return [replace(told, downs=downs, ups=ups, missed=0)]
+                return [replace(last, downs=downs, ups=ups, missed=0)]
         self.dropped += 1
         return []
 
-    def _tell(self, part: Part, *, complete: bool) -> TouchFrame:
-        header, told = part.header, self._told
-        known = {pointer.id: pointer for pointer in told.pointers} if told else {}
+    def _report(self, part: Part, *, complete: bool) -> TouchFrame:
+        header, last = part.header, self._last
+        known = {pointer.id: pointer for pointer in last.pointers} if last else {}
         known |= part.pointers
         pointers = tuple(known[key] for key in part.ids if key in known)
-        downs, ups = self._tally.count(pointers, part.events, joining=self._joining, whole=complete)
+        downs, ups = self._touches.count(
+            pointers, part.events, joining=self._joining, whole=complete
+        )
         self._joining = self._joining and not complete
-        self._told = TouchFrame(
+        self._last = TouchFrame(
             self.surface,
             self.node,
             self.session,
@@ -102,7 +104,7 @@ class Stream:
             pointers,
             downs,
             ups,
-            missed=ahead(header.frame, told.frame) - 1 if told else 0,
+            missed=ahead(header.frame, last.frame) - 1 if last else 0,
             complete=complete,
         )
-        return self._told
+        return self._last

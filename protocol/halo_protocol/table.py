@@ -1,8 +1,8 @@
-"""The table: what is on the wire, one row a message.
+"""The table: the wire format, one row per message.
 
-Rule: reading and writing are derived from these rows, and from nothing else. A field is
-`name:type`, the types are OSC's `i` (int32), `f` (float32) and `s` (string), because clients
-are known that lose every argument after a stranger type. `f9` is nine in a row, `i*` any number.
+Rule: reading and writing are derived from these rows only. A field is `name:type`; the types
+are OSC's `i` (int32), `f` (float32) and `s` (string), because some clients lose every argument
+after another type. `f9` is nine in a row, `i*` any number.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class Field:
     tag: str
     """`i`, `f` or `s`."""
     length: int | None
-    """How many arguments it takes; None for any number, which only a last field can be."""
+    """Number of arguments; None for any number, which is allowed for the last field only."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Neighbouring arguments that one `struct` reads and writes; a string stands alone."""
+    """Neighbouring arguments for one `struct`; a string is a run of its own."""
 
     numbers: Struct | None
     """None for a string."""
@@ -64,20 +64,20 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A message: its place in the address, its class and its compiled fields."""
+    """A message: its name in the address, its class and its compiled fields."""
 
     kind: str
     message: Callable[..., messages.Message]
     when: str
-    """When a service sends it, for the reader of the specification."""
+    """When a service sends it, for the specification."""
     fields: tuple[Field, ...]
     tags: str
     """The OSC type tags of all fields of a fixed length, without the comma."""
     runs: tuple[Run, ...]
     open_list: bool
-    """Whether the row is one field of any length."""
+    """Whether the row has one field of any length."""
     plain: bool
-    """Whether each field is one argument."""
+    """Whether each field has one argument."""
     fetch: Callable[[Any], tuple[Any, ...]]
     """Message -> its fields' values."""
 
@@ -97,7 +97,7 @@ class Row:
             runs=tuple(_runs(tags)),
             open_list=fields[-1].length is None,
             plain=all(field.length == 1 for field in fields),
-            # attrgetter of one name hands back the bare value.
+            # attrgetter of one name returns the bare value.
             fetch=fetch if len(names) > 1 else lambda message: (fetch(message),),
         )
 
@@ -118,7 +118,7 @@ def _runs(tags: str) -> list[Run]:
 
 ROWS = (
     Row.of("frame", messages.Frame, FRAME, "first in each datagram of a frame"),
-    Row.of("pointer", messages.Pointer, POINTER, "one for each live pointer"),
+    Row.of("pointer", messages.Pointer, POINTER, "once for each live pointer"),
     Row.of("alive", messages.Alive, ALIVE, "last in each datagram of a frame, the full list"),
     Row.of("down", messages.Down, DOWN, "in the frame of the touch and in the next two"),
     Row.of("up", messages.Up, UP, "in the frame of the release and in the next two"),
@@ -127,10 +127,10 @@ ROWS = (
         "homography",
         messages.Homography,
         HOMOGRAPHY,
-        "on change and twice a second, while it is known",
+        "on change and twice a second, if known",
     ),
     Row.of(
-        "pose", messages.Pose, POSE, "on change and twice a second, while the camera's is known"
+        "pose", messages.Pose, POSE, "on change and twice a second, if the camera pose is known"
     ),
     Row.of("health", messages.Health, HEALTH, "once a second"),
 )

@@ -1,6 +1,6 @@
-"""The protocol's version, and which versions understand each other.
+"""The protocol version, and which versions work together.
 
-Rule: this number is the protocol's; the packages' versions are other numbers.
+Rule: this is the version of the protocol; packages have their own.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _VERSION = re.compile(r"(\d{1,4})\.(\d{1,4})\.(\d{1,4})", re.ASCII)
 
 
 def parse_version(text: str) -> tuple[int, int, int]:
-    """`"1.2.3"` -> `(1, 2, 3)`; `ProtocolError` where it is anything else."""
+    """`"1.2.3"` -> `(1, 2, 3)`; `ProtocolError` for anything else."""
     match = _VERSION.fullmatch(text)
     if match is None:
         raise ProtocolError(f"version must be major.minor.patch, not {text[:40]!r}")
@@ -27,11 +27,11 @@ def parse_version(text: str) -> tuple[int, int, int]:
 
 
 def verdict(service: str, client: str) -> Verdict:
-    """What a service of one version says to a client of another.
+    """How a service of one version answers a client of another.
 
-    Another major is refused. A client whose minor is older misses what was appended since: it
-    is accepted, and warned. One whose minor is newer expects what this service cannot send:
-    it is refused. The patch says nothing about the wire.
+    Another major is refused. A client with an older minor does not know what was appended
+    since: it is accepted with a warning. A client with a newer minor expects data that this
+    service does not send: it is refused. The patch does not affect the wire.
     """
     service_major, service_minor, _ = parse_version(service)
     client_major, client_minor, _ = parse_version(client)

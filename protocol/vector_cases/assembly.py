@@ -1,4 +1,4 @@
-"""Sequences of datagrams, and what a client is told."""
+"""Sequences of datagrams, for the assembler."""
 
 from __future__ import annotations
 

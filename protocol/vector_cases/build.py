@@ -1,4 +1,4 @@
-"""What the tables of cases are made of."""
+"""Building blocks of the case tables."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class FrameCase:
 
 @dataclass(frozen=True)
 class ReportCase:
-    """A message that has a bundle of its own."""
+    """A message in its own bundle."""
 
     name: str
     description: str
@@ -54,7 +54,7 @@ class ReportCase:
 
 @dataclass(frozen=True)
 class BytesCase:
-    """A datagram that is only read: one that a stranger wrote, or that must be refused."""
+    """A datagram that is only read: of another program, or malformed."""
 
     name: str
     description: str
@@ -67,7 +67,7 @@ class Step:
 
     at_s: float
     datagram: bytes | None = None
-    """None for "look at the clock": `expire`."""
+    """None: only advance the clock, with `expire`."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class AssemblyCase:
 
 
 def header(count: int, **changes: str | int) -> Frame:
-    """A header; all its numbers but `count` can be left alone."""
+    """A header with default values."""
     plain = Frame("desk", "s1", COUNTER, UNIX_S, 500_000, count)
     return replace(plain, **changes)  # type: ignore[arg-type]
 
@@ -158,13 +158,13 @@ UP_TAGS = "iifffi"
 
 
 def raw_up(tags: str = UP_TAGS, id: int = 7, u: float = 0.5, rest: bytes = b"") -> bytes:  # noqa: A002
-    """An up, bare, with what `encode` would refuse or does not know."""
+    """An up without a bundle, with values that `encode` refuses or does not support."""
     arguments = (ints(id, 0), floats(u, 0.25, 4.0), ints(1), rest)
     return message("/halo/1/table/up", tags, *arguments)
 
 
 def now(*messages: bytes) -> bytes:
-    """A bundle for "now"."""
+    """A bundle with the timetag "immediately"."""
     return bundle(IMMEDIATELY, *messages)
 
 

@@ -1,4 +1,4 @@
-"""What must be refused, each for one reason."""
+"""Malformed datagrams, each with one fault."""
 
 from __future__ import annotations
 

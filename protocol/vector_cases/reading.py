@@ -1,4 +1,4 @@
-"""What strangers and later versions write, and every reader must read."""
+"""Datagrams of other programs and later versions, which every reader must read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is written and read back: frames, and the messages with a bundle of their own."""
+"""Messages that are written and read back: frames and reports."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.publisher import Publisher
-from halo_service.outputs.wire import Wire
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.profile import Anchor, Profile, Projector
 from halo_service.sensing import SensingSettings, start
 
@@ -32,7 +32,9 @@ class Heard:
 
 def told(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
     heard = Heard()
-    publisher = Publisher(Wire("desk", "s1", 0), [heard], "virtual", profile_camera, "table")
+    publisher = Publisher(
+        FrameEncoder("desk", "s1", 0), [heard], "virtual", profile_camera, "table"
+    )
     publisher.scene(start(profile, SensingSettings()))
     return heard.messages
 

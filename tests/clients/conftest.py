@@ -1,4 +1,4 @@
-"""A service to receive from: what the protocol's own encoder says, on a real carrier."""
+"""A service to receive from: encoded frames on a real carrier."""
 
 import json
 import socket
@@ -27,7 +27,7 @@ RIGHT, INDEX, HOVER, TOUCH = 2, 1, 0, 1
 
 
 class Service:
-    """Says frames, one after the other, to whatever `send(kind, datagram)` does with them."""
+    """Sends frames, one after the other, with `send(kind, datagram)`."""
 
     def __init__(self, send: Callable[[str, bytes], object], session: str = "s1") -> None:
         self._send = send
@@ -126,7 +126,7 @@ def zenoh_service() -> Iterator[Callable[..., Service]]:
 
 @pytest.fixture
 def repeat() -> Iterator[Callable[[Callable[[], object]], None]]:
-    """`repeat(action)` does it again and again, 50 times a second, until the test ends."""
+    """`repeat(action)` calls it 50 times a second until the test ends."""
     over = threading.Event()
     threads = []
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from halo_client import Known, Losses
+from halo_client import KnownServices, Losses
 from halo_protocol import Down, Pointer, Report, Scene, TouchFrame
 from halo_tools.monitor import main
 from halo_tools.monitor_view import HEADINGS, View
@@ -20,11 +20,11 @@ POINTER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.62, 0.0, 0.0, 0.
 
 
 def picture(*frames: TouchFrame, scene: Scene | None = None, unix_us: int = 1_000_000) -> str:
-    view, known = View(), Known()
+    view, known = View(), KnownServices()
     for number, frame in enumerate(frames):
         view.take(frame, 1.0 + number / 10, unix_us)
     if scene is not None:
-        known.learn(Report("table", scene))
+        known.update(Report("table", scene))
     return "\n".join(view.lines("osc://here", known, Losses(missed=4, bad=2), 1.5))
 
 

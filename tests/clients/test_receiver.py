@@ -1,4 +1,4 @@
-"""What is sent on a real carrier is received, counted and remembered."""
+"""Messages on real carriers are received, counted and remembered."""
 
 import logging
 import subprocess
@@ -31,14 +31,14 @@ def frames_in(events: list[Event]) -> list[TouchFrame]:
 
 
 @pytest.fixture
-def heard(udp_service: Callable[..., Any]) -> Iterator[tuple[Receiver, Any]]:
+def received(udp_service: Callable[..., Any]) -> Iterator[tuple[Receiver, Any]]:
     """A receiver on a free port and a service that sends there."""
     with halo_client.receive("osc://127.0.0.1:0") as receiver:
         yield receiver, udp_service(int(receiver.url.rpartition(":")[2]))
 
 
-def test_a_tap_arrives_by_udp(heard: tuple[Receiver, Any]) -> None:
-    receiver, service = heard
+def test_a_tap_arrives_by_udp(received: tuple[Receiver, Any]) -> None:
+    receiver, service = received
     service.tap()
     frames = frames_in(receive_all(receiver, lambda events: len(events) == 4))
     assert [len(frame.pointers) for frame in frames] == [1, 1, 1, 0]
@@ -48,40 +48,40 @@ def test_a_tap_arrives_by_udp(heard: tuple[Receiver, Any]) -> None:
     assert frames[1].pointers[0].pressure == 0.625
 
 
-def test_scene_and_health_are_remembered(heard: tuple[Receiver, Any]) -> None:
-    receiver, service = heard
+def test_scene_and_health_are_remembered(received: tuple[Receiver, Any]) -> None:
+    receiver, service = received
     service.scene()
     service.health()
     events = receive_all(receiver, lambda events: len(events) == 2)
     assert all(isinstance(event, Report) for event in events)
-    assert receiver.known.scenes["desk", "table"].source == 2
-    assert receiver.known.healths["desk", "table"].fps == 29.5
+    assert receiver.services.scenes["desk", "table"].source == 2
+    assert receiver.services.healths["desk", "table"].fps == 29.5
 
 
-def test_a_homography_of_an_older_calibration_is_forgotten(heard: tuple[Receiver, Any]) -> None:
-    receiver, service = heard
+def test_a_homography_of_an_older_calibration_is_forgotten(received: tuple[Receiver, Any]) -> None:
+    receiver, service = received
     of_revision = [Homography("desk", "s1", n, 1920, 1080, (1.0,) * 9) for n in (0, 7)]
     service.raw(encode("table", of_revision[0]))
     service.scene()
     receive_all(receiver, lambda events: len(events) == 2)
-    assert receiver.known.homographies["desk", "table"] == of_revision[0]
+    assert receiver.services.homographies["desk", "table"] == of_revision[0]
     service.raw(encode("table", of_revision[1]))
     service.scene()
     receive_all(receiver, lambda events: len(events) == 2)
-    assert ("desk", "table") not in receiver.known.homographies
+    assert ("desk", "table") not in receiver.services.homographies
 
 
-def test_reports_of_many_strangers_do_not_fill_the_memory() -> None:
-    known = halo_client.Known()
+def test_reports_of_many_services_do_not_fill_the_memory() -> None:
+    services = halo_client.KnownServices()
     for number in range(1000):
         matrix = Homography(f"n{number}", "s1", 0, 1920, 1080, (1.0,) * 9)
-        known.learn(Report("table", matrix))
-    assert len(known.homographies) == 64
-    assert ("n999", "table") in known.homographies
+        services.update(Report("table", matrix))
+    assert len(services.homographies) == 64
+    assert ("n999", "table") in services.homographies
 
 
-def test_losses_are_counted(heard: tuple[Receiver, Any]) -> None:
-    receiver, service = heard
+def test_losses_are_counted(received: tuple[Receiver, Any]) -> None:
+    receiver, service = received
     service.frame()
     service.lose()
     service.lose()
@@ -90,10 +90,10 @@ def test_losses_are_counted(heard: tuple[Receiver, Any]) -> None:
     assert receiver.losses.missed == 2
 
 
-def test_bad_datagrams_are_counted_told_once_and_skipped(
-    heard: tuple[Receiver, Any], caplog: pytest.LogCaptureFixture
+def test_bad_datagrams_are_counted_logged_once_and_skipped(
+    received: tuple[Receiver, Any], caplog: pytest.LogCaptureFixture
 ) -> None:
-    receiver, service = heard
+    receiver, service = received
     with caplog.at_level(logging.WARNING, "halo_client"):
         for _ in range(20):
             service.raw(b"nonsense")
@@ -105,13 +105,13 @@ def test_bad_datagrams_are_counted_told_once_and_skipped(
     ]
 
 
-def test_a_service_that_falls_silent_is_lost(heard: tuple[Receiver, Any]) -> None:
-    receiver, service = heard
+def test_a_service_that_falls_silent_is_lost(received: tuple[Receiver, Any]) -> None:
+    receiver, service = received
     service.scene()
     service.frame([])
     events = receive_all(receiver, lambda events: any(isinstance(e, Lost) for e in events))
     assert events[-1] == Lost("table", "desk", "s1")
-    assert receiver.known.scenes == {}
+    assert receiver.services.scenes == {}
 
 
 def test_a_timeout_yields_none_so_that_a_picture_can_be_drawn(free_port: int) -> None:
@@ -132,11 +132,11 @@ def test_a_closed_iterator_gives_its_port_back(
         pass
 
 
-def test_a_port_that_is_taken_is_one_sentence_with_the_remedy(free_port: int) -> None:
+def test_a_port_in_use_is_one_sentence_with_the_remedy(free_port: int) -> None:
     url = f"osc://127.0.0.1:{free_port}"
     with halo_client.receive(url), pytest.raises(ClientError) as refused:
         halo_client.receive(url)
-    assert str(refused.value).startswith(f"UDP port {free_port} on 127.0.0.1 is taken")
+    assert str(refused.value).startswith(f"UDP port {free_port} on 127.0.0.1 is in use")
     assert f"osc://127.0.0.1:{free_port + 2}" in str(refused.value)
 
 
@@ -211,7 +211,7 @@ def test_a_busy_zenoh_client_keeps_the_newest(
         time.sleep(1.0)
         events = receive_all(receiver, lambda e: any(isinstance(event, Report) for event in e))
         assert len(frames_in(events)) < RING
-        assert receiver.losses.missed == 0  # Nobody had heard the first ones.
+        assert receiver.losses.missed == 0  # The first ones were before the client joined.
 
 
 @pytest.mark.parametrize("url", ["zenoh://?connect=nonsense", "zenoh://?listen=tcp/192.0.2.1:1"])

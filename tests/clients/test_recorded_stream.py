@@ -1,4 +1,4 @@
-"""A recorded stream is heard as the wire is: at its own pace or at once, to its end."""
+"""A recorded stream is received like a live one: at its own speed or at once, to its end."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ POINTER = {
 
 
 def line(frame: int, pointers: list[Any] = [], events: list[Any] = []) -> dict[str, Any]:  # noqa: B006
-    whose = {"node": "replay", "session": "s1", "surface": "table"}
+    source = {"node": "replay", "session": "s1", "surface": "table"}
     time_us = 500_000 + frame * 40_000
-    return {"time_us": time_us, **whose, "frame": frame, "pointers": pointers, "events": events}
+    return {"time_us": time_us, **source, "frame": frame, "pointers": pointers, "events": events}
 
 
 TAP = [
@@ -39,12 +39,12 @@ TAP = [
 
 
 def written(folder: Path, lines: list[dict[str, Any]]) -> Path:
-    path = folder / "take.jsonl"
+    path = folder / "recording.jsonl"
     path.write_text("".join(json.dumps(each) + "\n" for each in lines))
     return path
 
 
-def test_a_file_is_heard_to_its_end_and_its_open_touches_are_ended(tmp_path: Path) -> None:
+def test_a_file_is_read_to_its_end_and_its_open_touches_are_ended(tmp_path: Path) -> None:
     source = FileSource(written(tmp_path, TAP), paced=False)
     with halo_client.receive(source) as receiver:
         frames = list(receiver.frames())
@@ -56,11 +56,11 @@ def test_a_file_is_heard_to_its_end_and_its_open_touches_are_ended(tmp_path: Pat
     assert frames[3].pointers == () and len(frames[3].ups) == 1
 
 
-def test_by_its_name_it_comes_at_its_own_pace(tmp_path: Path) -> None:
+def test_a_path_is_replayed_at_its_own_speed(tmp_path: Path) -> None:
     path = written(tmp_path, TAP)
-    began_s = time.monotonic()
+    started_s = time.monotonic()
     assert len(list(halo_client.frames(str(path)))) == 4
-    assert time.monotonic() - began_s >= 0.08
+    assert time.monotonic() - started_s >= 0.08
 
 
 def test_while_the_next_frame_is_not_due_a_picture_can_be_drawn(tmp_path: Path) -> None:
@@ -97,19 +97,19 @@ def test_the_monitor_ends_with_the_file(tmp_path: Path, capsys: Any) -> None:
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"nonsense\n", "line 1, is no frame"),
-        (b"[]\n", "line 1, is no frame"),
-        (b'{"kind": "frame"}\n', "line 1, is no frame (no 'pointers')"),
-        (json.dumps(line(0)).encode() + b'\n{"pointers": 3}\n', "line 2, is no frame"),
+        (b"nonsense\n", "line 1, is not a frame"),
+        (b"[]\n", "line 1, is not a frame"),
+        (b'{"kind": "frame"}\n', "line 1, is not a frame (no 'pointers')"),
+        (json.dumps(line(0)).encode() + b'\n{"pointers": 3}\n', "line 2, is not a frame"),
         (json.dumps(line(0, [{"id": 1}])).encode(), "pointer has no 'slot'"),
         (json.dumps(line(0) | {"node": "A B"}).encode(), "node must be"),
-        (b"\xff\xfe\x00", "is no text"),
+        (b"\xff\xfe\x00", "is not text"),
     ],
 )
-def test_a_file_that_is_no_stream_is_one_sentence(
+def test_a_file_that_is_not_a_stream_is_one_sentence(
     content: bytes, says: str, tmp_path: Path
 ) -> None:
-    path = tmp_path / "take.jsonl"
+    path = tmp_path / "recording.jsonl"
     path.write_bytes(content)
     with halo_client.receive(FileSource(path, False)) as receiver, pytest.raises(ClientError) as no:
         list(receiver.frames())
@@ -122,12 +122,12 @@ def test_a_file_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
         halo_client.receive(str(tmp_path / "none.jsonl"))
 
 
-def test_a_lost_line_makes_no_datagram() -> None:
+def test_a_lost_line_gives_no_datagram() -> None:
     assert datagrams({"kind": "lost", "surface": "table"}) == []
 
 
 @pytest.mark.parametrize("major", [2, 17])
-def test_another_major_version_is_counted_and_said_once(
+def test_another_major_version_is_counted_and_logged_once(
     udp_service: Callable[..., Any], caplog: pytest.LogCaptureFixture, major: int
 ) -> None:
     with halo_client.receive("osc://127.0.0.1:0") as receiver:
@@ -137,5 +137,5 @@ def test_another_major_version_is_counted_and_said_once(
             service.raw(address + b",\0\0\0")
         while receiver.losses.foreign < 3:
             assert receiver.poll(2.0) == []
-    (said,) = [record.getMessage() for record in caplog.records]
-    assert f"speaks protocol {major}, and this program speaks 1" in said
+    (message,) = [record.getMessage() for record in caplog.records]
+    assert f"speaks protocol {major}, and this program speaks 1" in message

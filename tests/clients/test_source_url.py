@@ -1,4 +1,4 @@
-"""Sources are understood, or refused in one sentence."""
+"""Source URLs are read, or refused in one sentence."""
 
 import pytest
 
@@ -39,17 +39,20 @@ def test_a_source_is_understood(url: str, source: OscSource | ZenohSource) -> No
         ("udp://127.0.0.1:9000", "use osc://"),
         ("osc://127.0.0.1:99999", "cannot read"),
         ("osc://127.0.0.1:x", "cannot read"),
-        ("osc://127.0.0.1:9000/path", "takes a host and a port"),
-        ("osc://127.0.0.1:9000?a=b", "takes a host and a port"),
-        ("zenoh://host", "takes settings only"),
-        ("zenoh://?conect=tcp/127.0.0.1:1", "unknown setting 'conect'; known: connect, listen"),
+        ("osc://127.0.0.1:9000/path", "needs a host and a port"),
+        ("osc://127.0.0.1:9000?a=b", "needs a host and a port"),
+        ("zenoh://host", "accepts settings only"),
+        (
+            "zenoh://?conect=tcp/127.0.0.1:1",
+            "unknown setting 'conect'; choose from: connect, listen",
+        ),
         ("zenoh://?multicast=maybe", "multicast is off or on"),
         ("zenoh://?mode=router", "mode is peer or client"),
         ("zenoh://?node=**", "node must be"),
         ("zenoh://?surface=control", "reserved"),
     ],
 )
-def test_a_source_is_refused_with_what_is_known(url: str, says: str) -> None:
+def test_a_source_is_refused_with_the_choices(url: str, says: str) -> None:
     with pytest.raises(ClientError, match=says.replace("?", r"\?")) as refused:
         parse_source(url)
     assert "\n" not in str(refused.value)

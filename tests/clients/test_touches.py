@@ -1,4 +1,4 @@
-"""Frames become touches that begin, move and end; places become pixels; silence becomes words."""
+"""Frames become touches that begin, move and end; places become pixels; silence is reported."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from halo_client import Began, Ended, Moved, Placing, Silence, touches
+from halo_client import Began, Ended, Moved, PictureTransform, Silence, touches
 from halo_protocol import Down, Homography, Pointer, TouchFrame, Up
 
 FINGER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.6, 0.0, 0.0, 0.9, 3, -1.0)
@@ -37,9 +37,9 @@ def test_a_tap_within_a_frame_begins_and_ends_though_its_finger_has_gone() -> No
     assert isinstance(ended, Ended) and ended.key == began.key
 
 
-def test_a_finger_that_strikes_anew_ends_its_old_touch_first() -> None:
-    told = touches(replace(FRAME, downs=(DOWN,), ups=(replace(UP, contacts=2),)))
-    assert [type(touch) for touch in told] == [Ended, Began]
+def test_a_finger_that_strikes_again_ends_its_old_touch_first() -> None:
+    found = touches(replace(FRAME, downs=(DOWN,), ups=(replace(UP, contacts=2),)))
+    assert [type(touch) for touch in found] == [Ended, Began]
 
 
 def test_a_hovering_finger_is_no_touch() -> None:
@@ -47,23 +47,23 @@ def test_a_hovering_finger_is_no_touch() -> None:
 
 
 def test_a_window_shows_the_whole_surface_in_its_middle() -> None:
-    placing = Placing.fitted(700, 400, 300, 200)
-    assert placing.pixel(0, 0) == (50, 0)
-    assert placing.pixel(300, 200) == (650, 400)
-    assert placing.scale(150, 100) == pytest.approx(2.0)
+    transform = PictureTransform.fitted(700, 400, 300, 200)
+    assert transform.pixel(0, 0) == (50, 0)
+    assert transform.pixel(300, 200) == (650, 400)
+    assert transform.scale(150, 100) == pytest.approx(2.0)
 
 
 def test_a_projector_shows_it_through_the_homography() -> None:
     matrix = (5.0, 0.3, 40.0, -0.2, 5.5, 30.0, 1e-4, 2e-4, 1.0)
     homography = Homography("desk", "s1", 0, 1920, 1080, matrix)
-    x, y = Placing.projected(homography, 1920, 1080).pixel(100.0, 50.0)
+    x, y = PictureTransform.projected(homography, 1920, 1080).pixel(100.0, 50.0)
     assert (x, y) == pytest.approx((555 / 1.02, 285 / 1.02))
-    half = Placing.projected(homography, 960, 540)
+    half = PictureTransform.projected(homography, 960, 540)
     assert half.pixel(100.0, 50.0) == pytest.approx((x / 2, y / 2))
     assert half.scale(100.0, 50.0) == pytest.approx(5.1 / 2, rel=0.05)
 
 
-def test_silence_is_said_once_and_so_is_its_end() -> None:
+def test_silence_is_reported_once_and_so_is_its_end() -> None:
     silence = Silence("osc://here", 10.0)
     assert silence.notice([], 11.0) is None
     assert str(silence.notice([], 12.5)).startswith("waiting: no frames at osc://here")

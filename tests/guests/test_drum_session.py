@@ -20,7 +20,7 @@ from halo_drums.player import Hit, Player, Shape
 from halo_drums.render import TAIL_S, render
 from halo_drums.voices import RATE
 from halo_protocol import Assembler, TouchFrame
-from halo_service.outputs.wire import Wire
+from halo_service.outputs.frame_encoder import FrameEncoder
 
 SECONDS = 7.5
 SESSIONS = ("sim:drumming?seed=4", "sim:drumming?seed=5")
@@ -130,7 +130,7 @@ def test_with_a_fifth_of_the_datagrams_lost_still_one_sound_a_hit(
     def hits(loss: float) -> list[tuple[int, Hit]]:
         lost, wire, assembler, player = (
             random.Random(seed),
-            Wire("sim", "s1", 0),
+            FrameEncoder("sim", "s1", 0),
             Assembler(),
             Player(),
         )

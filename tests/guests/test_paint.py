@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
 import halo_client
-from halo_client import FileSource, Placing
+from halo_client import FileSource, PictureTransform
 from halo_paint.brushes import BRUSHES, COLOURS, PAPER
 from halo_paint.canvas import Canvas
 from halo_paint.painter import Change, Painter
@@ -188,7 +188,7 @@ def test_edges_are_soft_over_one_pixel(brush: Any) -> None:
 
 def test_live_and_rendered_are_the_same_picture(say: Any) -> None:
     painter = Painter(vary=True)
-    canvas = Canvas(900, 600, Placing.fitted(900, 600, *SIZE))
+    canvas = Canvas(900, 600, PictureTransform.fitted(900, 600, *SIZE))
     for contacts in (1, 2, 3):
         for frame in arc(say, contacts):
             for change, stroke in painter.take(frame):
@@ -222,7 +222,9 @@ def test_the_svg_looks_as_the_png_does_where_paint_is(say: Any, brush: Any) -> N
 
 def test_on_the_projector_paint_is_where_the_finger_is(say: Any) -> None:
     matrix = (4.5, 0.4, 120.0, -0.3, 4.6, 90.0, 1e-4, -2e-4, 1.0)
-    placing = Placing.projected(Homography("desk", "s1", 0, 1920, 1080, matrix), 1920, 1080)
+    placing = PictureTransform.projected(
+        Homography("desk", "s1", 0, 1920, 1080, matrix), 1920, 1080
+    )
     canvas = Canvas(1920, 1080, placing)
     strokes = painted(arc(say), Painter(brush=BRUSHES[1]))
     canvas.repaint(strokes)

@@ -1,4 +1,4 @@
-"""The control port: whatever comes, it goes on."""
+"""The control port survives any input."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from halo_service.errors import UserError
-from halo_service.outputs.control import QUEUE, ControlPort, Told
+from halo_service.outputs.control import QUEUE, ControlMessage, ControlPort
 
 
 @pytest.fixture
@@ -28,11 +28,11 @@ def port() -> Iterator[tuple[ControlPort, socket.socket]]:
     control.close()
 
 
-def wait_for(control: ControlPort, count: int) -> list[Told]:
-    got: list[Told] = []
+def wait_for(control: ControlPort, count: int) -> list[ControlMessage]:
+    got: list[ControlMessage] = []
     until = time.monotonic() + 10.0
     while len(got) < count and time.monotonic() < until:
-        got += control.take()
+        got += control.drain()
         time.sleep(0.005)
     return got
 
@@ -44,37 +44,37 @@ def message(address: str, *arguments: object) -> bytes:
     return bytes(builder.build().dgram)
 
 
-def test_a_message_is_taken(port: tuple[ControlPort, socket.socket]) -> None:
+def test_a_message_is_received(port: tuple[ControlPort, socket.socket]) -> None:
     control, client = port
     client.send(message("/halo/1/sim/finger", 2, 1, 150.0, 100.0, 12.5, 0.0))
-    (told,) = wait_for(control, 1)
-    assert told.address == "/halo/1/sim/finger"
-    assert told.arguments == (2, 1, 150.0, 100.0, 12.5, 0.0)
+    (received,) = wait_for(control, 1)
+    assert received.address == "/halo/1/sim/finger"
+    assert received.arguments == (2, 1, 150.0, 100.0, 12.5, 0.0)
 
 
-def test_rubbish_is_counted_and_the_next_message_heard(
+def test_random_bytes_are_counted_and_the_next_message_is_received(
     port: tuple[ControlPort, socket.socket],
 ) -> None:
     control, client = port
     chance = random.Random(1)
-    rubbish = [os.urandom(chance.randrange(1, 200)) for _ in range(100)]
-    rubbish += [b"", b"/", b"#bundle\0", b"#bundle\0" + b"\xff" * 12, b"/a\0\0,i\0\0"]
-    for datagram in rubbish:
+    random_bytes = [os.urandom(chance.randrange(1, 200)) for _ in range(100)]
+    random_bytes += [b"", b"/", b"#bundle\0", b"#bundle\0" + b"\xff" * 12, b"/a\0\0,i\0\0"]
+    for datagram in random_bytes:
         client.send(datagram)
         time.sleep(0.001)
     client.send(message("/halo/1/control/background"))
-    heard = [told for told in wait_for(control, 1) if told.address.startswith("/halo")]
-    assert heard[-1].address == "/halo/1/control/background"
+    received = [each for each in wait_for(control, 1) if each.address.startswith("/halo")]
+    assert received[-1].address == "/halo/1/control/background"
     assert control.bad >= 90
 
 
-def test_the_queue_has_a_bound(port: tuple[ControlPort, socket.socket]) -> None:
+def test_the_queue_is_bounded(port: tuple[ControlPort, socket.socket]) -> None:
     control, client = port
     for n in range(QUEUE + 50):
         client.send(message("/n", n))
         time.sleep(0.0005)
     time.sleep(0.3)
-    assert len(control.take()) <= QUEUE
+    assert len(control.drain()) <= QUEUE
 
 
 def test_a_port_in_use_is_one_sentence(port: tuple[ControlPort, socket.socket]) -> None:
@@ -84,13 +84,13 @@ def test_a_port_in_use_is_one_sentence(port: tuple[ControlPort, socket.socket]) 
 
 
 @pytest.mark.parametrize("number", [-1, 0, 65_536, 70_000])
-def test_a_number_that_is_no_port_is_one_sentence(number: int) -> None:
-    with pytest.raises(UserError, match=f"{number} is no port; choose one from 1 to 65535"):
+def test_an_invalid_port_number_is_one_sentence(number: int) -> None:
+    with pytest.raises(UserError, match=f"{number} is not a port; choose one from 1 to 65535"):
         ControlPort("127.0.0.1", number)
 
 
 @pytest.mark.parametrize("host", ["no.such.host.invalid", "192.0.2.1"])
-def test_a_host_that_is_not_ours_is_not_blamed_on_another_service(host: str) -> None:
+def test_a_host_of_another_machine_is_not_blamed_on_another_service(host: str) -> None:
     with pytest.raises(UserError, match="host to an address of this machine") as caught:
         ControlPort(host, 9001)
     assert "another halo service" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""Recording: what is written reads back equal, whole or not at all."""
+"""Recordings read back equal, and are complete or absent."""
 
 import os
 import shutil
@@ -111,7 +111,7 @@ def test_a_frame_without_colour_is_recorded_without_it(tmp_path):
     assert [f.colour is None for f in read] == [False, True, False]
 
 
-def test_a_frame_from_the_past_has_no_place_in_the_file(tmp_path):
+def test_a_frame_from_the_past_is_not_written(tmp_path):
     first, second, *_ = frames()
     with Recorder(tmp_path / "r.mkv", CAMERA, fps=30, colour=False) as recorder:
         assert recorder.write(second)
@@ -142,14 +142,14 @@ def left_in(folder: Path) -> list[str]:
     return sorted(p.name for p in folder.iterdir())
 
 
-def test_nothing_appears_under_the_name_before_the_end(tmp_path):
+def test_the_file_appears_only_when_complete(tmp_path):
     with Recorder(tmp_path / "r.mkv", CAMERA, fps=30, colour=False) as recorder:
         recorder.write(frames()[0])
         assert not (tmp_path / "r.mkv").exists()
     assert left_in(tmp_path) == ["r.mkv"]
 
 
-def test_a_run_that_failed_leaves_the_old_recording_as_it_was(tmp_path):
+def test_a_failed_run_does_not_change_the_old_recording(tmp_path):
     record(tmp_path / "r.mkv", frames())
     before = (tmp_path / "r.mkv").read_bytes()
     with (
@@ -162,7 +162,7 @@ def test_a_run_that_failed_leaves_the_old_recording_as_it_was(tmp_path):
     assert (tmp_path / "r.mkv").read_bytes() == before
 
 
-def test_a_recording_without_a_frame_is_not_kept(tmp_path):
+def test_a_recording_without_a_frame_is_deleted(tmp_path):
     recorder = Recorder(tmp_path / "r.mkv", CAMERA, fps=30, colour=False)
     with pytest.raises(UserError, match="no frame came"):
         recorder.close()
@@ -174,12 +174,12 @@ def test_a_recording_without_a_frame_is_not_kept(tmp_path):
 @pytest.mark.parametrize(
     ("name", "says"), [("nowhere/r.mkv", "cannot be written"), ("", "is a folder")]
 )
-def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path, name, says):
+def test_an_unwritable_path_is_refused_at_once(tmp_path, name, says):
     with pytest.raises(UserError, match=says):
         Recorder(tmp_path / name, CAMERA, fps=30, colour=False)
 
 
-def test_what_does_not_fit_the_camera_is_refused(tmp_path):
+def test_frames_of_another_size_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no colour"):
         Recorder(tmp_path / "r.mkv", replace(CAMERA, colour=None), fps=30, colour=True)
     recorder = Recorder(tmp_path / "r.mkv", CAMERA, fps=30, colour=True)
@@ -197,7 +197,7 @@ def test_what_does_not_fit_the_camera_is_refused(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no file size limits on Windows")
 @pytest.mark.parametrize("limit", [1, 100_000, 900_000])
-def test_a_full_disk_is_said_and_leaves_nothing(tmp_path, limit):
+def test_a_full_disk_is_reported_and_leaves_no_file(tmp_path, limit):
     """The operating system refuses to let the file grow, as a full disk does."""
     script = f"""
         import resource, signal, sys

@@ -1,4 +1,4 @@
-"""The same bytes as Zenoh samples, for those who were there and those who come late."""
+"""The same bytes as Zenoh samples, for present subscribers and for late joiners."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_each_datagram_is_a_sample_under_its_key(
     ]
 
 
-def test_a_late_joiner_asks_for_what_is_retained(
+def test_a_late_joiner_queries_retained_messages(
     output: ZenohOutput, client: zenoh.Session
 ) -> None:
     output.send("scene", [b"old"])
@@ -77,13 +77,13 @@ def test_frames_are_not_retained(output: ZenohOutput, client: zenoh.Session) -> 
     assert list(client.get("halo/1/*/*/frame", timeout=2.0)) == []
 
 
-def test_a_token_says_that_the_node_is_there(output: ZenohOutput, client: zenoh.Session) -> None:
+def test_a_token_announces_the_node(output: ZenohOutput, client: zenoh.Session) -> None:
     tokens = list(client.liveliness().get("halo/1/*/alive", timeout=WAIT_S))
     assert [str(token.ok.key_expr) for token in tokens if token.ok] == ["halo/1/desk/alive"]
 
 
 def opened_with(settings: ZenohSettings, monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
-    """What Zenoh would be opened with; it is not opened, for it would take the usual port."""
+    """The configuration for Zenoh, which is not opened, because it would use the usual port."""
     got: list[zenoh.Config] = []
 
     def refuse(config: zenoh.Config) -> None:
@@ -121,7 +121,7 @@ FILE = {
         ({}, {"multicast": True}, (["tcp/127.0.0.1:7447"], [], True)),
     ],
 )
-def test_settings_count_before_the_file_and_the_file_before_our_defaults(
+def test_settings_override_the_file_and_the_file_overrides_defaults(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     file: object,
@@ -157,7 +157,7 @@ def test_a_configuration_that_cannot_be_read_is_one_sentence(
 
 
 @pytest.mark.parametrize("listen", ["tcp/256.0.0.1:1", "rubbish", "foo/127.0.0.1:1"])
-def test_an_endpoint_that_is_none_is_told_without_zenohs_sources(listen: str) -> None:
+def test_an_invalid_endpoint_is_reported_without_positions_in_zenohs_source(listen: str) -> None:
     with pytest.raises(UserError, match="zenoh: cannot listen at") as caught:
         ZenohOutput(ZenohSettings(listen=(listen,)), "desk", "table")
     assert ".rs" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""What a client is told: the golden sequences, and what they cannot show."""
+"""Assembly: the golden sequences, and properties beyond them."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -27,7 +27,7 @@ from halo_protocol import (
 )
 from halo_protocol.assembly import MAX_STREAMS
 from halo_protocol.osc import IMMEDIATELY, bundle, message_spans
-from halo_protocol.tally import MAX_REMEMBERED
+from halo_protocol.touch_counter import MAX_REMEMBERED
 
 VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "assembly.json"
 SEQUENCES = [
@@ -50,7 +50,7 @@ def frame(
 
 
 @pytest.mark.parametrize("steps", SEQUENCES)
-def test_a_client_is_told_what_the_golden_files_say(steps: list[dict[str, Any]]) -> None:
+def test_the_events_are_those_of_the_golden_files(steps: list[dict[str, Any]]) -> None:
     assembler = Assembler()
     for step in steps:
         if step["hex"] is None:
@@ -65,8 +65,8 @@ def test_a_client_is_told_what_the_golden_files_say(steps: list[dict[str, Any]])
         assert [event_to_json(event) for event in events] == step["events"]
 
 
-def performance() -> list[list[bytes]]:
-    """Ten frames: a finger comes, taps twice (once within a frame), touches and is taken away."""
+def ten_frames() -> list[list[bytes]]:
+    """Ten frames: a finger comes, taps twice (once within a frame), touches and leaves."""
     first, second, third = (Down(1, 0, 0.5, 0.5, 100.0 * n, 5.0, n) for n in (1, 2, 3))
     lift, second_lift, last_lift = (Up(1, 0, 0.5, 0.5, 3.0, n) for n in (1, 2, 3))
     hover = [replace(POINTER, contacts=n) for n in range(4)]
@@ -85,7 +85,7 @@ def performance() -> list[list[bytes]]:
     ]
 
 
-def told(frames: list[list[bytes]]) -> list[TouchFrame]:
+def assembled(frames: list[list[bytes]]) -> list[TouchFrame]:
     assembler = Assembler()
     datagrams = [datagram for datagrams in frames for datagram in datagrams]
     events = [event for datagram in datagrams for event in assembler.receive_data(datagram, 0.0)]
@@ -96,14 +96,14 @@ def notes(events: Iterable[TouchFrame]) -> list[tuple[str, int]]:
     return [("down" if isinstance(e, Down) else "up", e.contacts) for f in events for e in f.events]
 
 
-def test_every_touch_is_told_once_and_in_order() -> None:
+def test_every_touch_is_reported_once_and_in_order() -> None:
     expected = [(kind, number) for number in (1, 2, 3) for kind in ("down", "up")]
-    assert notes(told(performance())) == expected
+    assert notes(assembled(ten_frames())) == expected
 
 
 @pytest.mark.parametrize("lost", [set(s) for n in (1, 2) for s in combinations(range(1, 9), n)])
 def test_two_lost_frames_lose_no_touch_and_no_strike(lost: set[int]) -> None:
-    events = told([f for i, f in enumerate(performance()) if i not in lost])
+    events = assembled([f for i, f in enumerate(ten_frames()) if i not in lost])
     assert notes(events) == [(kind, n) for n in (1, 2, 3) for kind in ("down", "up")]
     strikes = [down.strike_mm_s for event in events for down in event.downs]
     assert strikes == [100.0, 200.0, 300.0]
@@ -111,21 +111,21 @@ def test_two_lost_frames_lose_no_touch_and_no_strike(lost: set[int]) -> None:
 
 @pytest.mark.parametrize("lost", [set(s) for n in (3, 5, 7) for s in combinations(range(1, 9), n)])
 def test_whatever_is_lost_downs_and_ups_alternate_and_nothing_sticks(lost: set[int]) -> None:
-    events = told([f for i, f in enumerate(performance()) if i not in lost])
-    heard = notes(events)
-    assert heard[::2] == [("down", number) for _, number in heard[::2]]
-    assert heard[1::2] == [("up", number) for _, number in heard[::2]]
-    assert len(heard) % 2 == 0
+    events = assembled([f for i, f in enumerate(ten_frames()) if i not in lost])
+    reported = notes(events)
+    assert reported[::2] == [("down", number) for _, number in reported[::2]]
+    assert reported[1::2] == [("up", number) for _, number in reported[::2]]
+    assert len(reported) % 2 == 0
     assert events[-1].pointers == ()
     assert sum(event.missed for event in events) == len(lost)
 
 
 def test_datagrams_in_any_order_never_go_back() -> None:
-    frames = performance()
+    frames = ten_frames()
     shuffled = [frames[i] for i in (0, 2, 1, 3, 5, 4, 4, 6, 8, 7, 9, 0)]
-    numbers = [event.frame for event in told(shuffled)]
+    numbers = [event.frame for event in assembled(shuffled)]
     assert numbers == sorted(set(numbers))
-    assert notes(told(shuffled)) == [(k, n) for n in (1, 2, 3) for k in ("down", "up")]
+    assert notes(assembled(shuffled)) == [(k, n) for n in (1, 2, 3) for k in ("down", "up")]
 
 
 def test_old_parts_are_counted() -> None:
@@ -137,13 +137,13 @@ def test_old_parts_are_counted() -> None:
     assert assembler.dropped == 2
 
 
-def test_a_stranger_with_many_sessions_does_not_fill_the_memory() -> None:
+def test_a_sender_with_many_sessions_does_not_fill_the_memory() -> None:
     assembler = Assembler()
     events = []
     for number in range(10 * MAX_STREAMS):
-        stranger = frame(1, [POINTER], node=f"n{number}")[0]
-        events += assembler.receive_data(stranger, number / 1000)
-        # One that is heard all the time is not the one to go.
+        forged = frame(1, [POINTER], node=f"n{number}")[0]
+        events += assembler.receive_data(forged, number / 1000)
+        # A session that sends all the time is not closed.
         events += assembler.receive_data(frame(number, [POINTER])[0], number / 1000)
     lost = [event.node for event in events if isinstance(event, Lost)]
     assert len(lost) == 9 * MAX_STREAMS + 1
@@ -158,7 +158,7 @@ def test_a_session_with_many_ids_does_not_fill_the_memory() -> None:
         for datagram in frame(number, [], downs):
             assembler.receive_data(datagram, 0.0)
     (stream,) = assembler._streams.values()
-    assert len(stream._tally._touches) <= MAX_REMEMBERED + 100
+    assert len(stream._touches._touches) <= MAX_REMEMBERED + 100
 
 
 def test_a_frame_that_never_ends_does_not_fill_the_memory() -> None:
@@ -187,7 +187,7 @@ def up_alone(number: int) -> bytes:
     return elements(encode("table", Up(number, 0, 0.5, 0.5, 3.0, 1)))[0]
 
 
-def test_a_touch_that_a_silent_service_left_open_is_ended() -> None:
+def test_an_open_touch_of_a_silent_service_is_ended() -> None:
     assembler = Assembler(timeout_s=1.0)
     touch = replace(POINTER, state=1, contacts=4)
     assembler.receive_data(frame(1, [touch], [Down(1, 0, 0.5, 0.5, 1.0, 1.0, 4)])[0], 10.0)
@@ -200,6 +200,6 @@ def test_a_touch_that_a_silent_service_left_open_is_ended() -> None:
     assert assembler.expire(100.0) == []
 
 
-def test_a_made_up_down_is_told_as_such() -> None:
-    (down,) = told([frame(0), frame(9, [replace(POINTER, state=1, contacts=1)])])[-1].downs
+def test_an_inferred_down_is_marked() -> None:
+    (down,) = assembled([frame(0), frame(9, [replace(POINTER, state=1, contacts=1)])])[-1].downs
     assert down == Down(1, 0, 0.5, 0.5, UNKNOWN_STRIKE, 0.0, 1)

@@ -1,4 +1,4 @@
-"""What may be said, what may not, and how much of it."""
+"""Which values can be sent, and how many."""
 
 import math
 from dataclasses import replace
@@ -61,7 +61,7 @@ UNSENDABLE = [
 
 
 @pytest.mark.parametrize(("what", "message", "changes"), UNSENDABLE, ids=[u[0] for u in UNSENDABLE])
-def test_what_could_not_be_read_is_not_sent(
+def test_an_unreadable_value_is_not_sent(
     what: str, message: Message, changes: dict[str, Any]
 ) -> None:
     encode("table", message)
@@ -72,7 +72,7 @@ def test_what_could_not_be_read_is_not_sent(
 @pytest.mark.parametrize(
     "surface", ["control", "sim", "", "Table", "a/b", "*", "x" * 33, "tisch-ä"]
 )
-def test_no_message_goes_to_a_surface_that_cannot_be(surface: str) -> None:
+def test_an_invalid_surface_is_refused(surface: str) -> None:
     with pytest.raises(ProtocolError):
         encode(surface, SCENE)
 
@@ -82,7 +82,7 @@ def test_count_is_the_number_of_pointers() -> None:
         encode_frame("table", HEADER, [POINTER])
 
 
-def test_an_id_lives_once() -> None:
+def test_an_id_is_alive_once() -> None:
     with pytest.raises(ProtocolError, match="twice"):
         encode_frame("table", replace(HEADER, count=2), [POINTER, POINTER])
 
@@ -129,5 +129,5 @@ def test_the_timetag_is_the_time_as_ntp(time_us: int, timetag: str) -> None:
     assert encode("table", SCENE, time_us)[8:16].hex() == timetag
 
 
-def test_no_time_is_now() -> None:
+def test_without_a_time_the_timetag_is_immediately() -> None:
     assert encode("table", SCENE)[8:16] == bytes(7) + b"\x01"

@@ -1,4 +1,4 @@
-"""Any OSC is read generically, and bounded."""
+"""Reading of any OSC message, with bounded work."""
 
 import struct
 from typing import Any
@@ -52,7 +52,7 @@ def test_no_argument_is_read_beyond_the_end(
         parse_osc(whole + bytes(4))
 
 
-def test_python_osc_and_we_agree_on_a_message_of_many_types() -> None:
+def test_python_osc_agrees_on_a_message_of_many_types() -> None:
     builder = OscMessageBuilder("/x")
     sent: list[tuple[str, Any]] = [
         ("i", 3),
@@ -85,12 +85,12 @@ def test_python_osc_and_we_agree_on_a_message_of_many_types() -> None:
         ("too large", message("b", struct.pack(">i", MAX_BYTES), bytes(MAX_BYTES + 1))),
     ],
 )
-def test_what_is_malformed_leaves_by_one_door(why: str, datagram: bytes) -> None:
+def test_malformed_osc_raises_protocol_error(why: str, datagram: bytes) -> None:
     with pytest.raises(ProtocolError):
         parse_osc(datagram)
 
 
-def test_a_thousand_bundles_in_each_other_are_refused_quickly() -> None:
+def test_a_thousand_nested_bundles_are_refused_quickly() -> None:
     nested = message("")
     for _ in range(1000):
         nested = bundle(IMMEDIATELY, nested)
@@ -98,5 +98,5 @@ def test_a_thousand_bundles_in_each_other_are_refused_quickly() -> None:
         parse_osc(nested)
 
 
-def test_old_senders_may_leave_out_the_tags_of_nothing() -> None:
+def test_a_message_without_tags_has_no_arguments() -> None:
     assert parse_osc(padded("/x")) == [("/x", ())]

@@ -25,7 +25,7 @@ def golden() -> Iterator[bytes]:
 
 GOLDEN = sorted(set(golden()), key=len)
 
-# Words that lead somewhere: a random walk over bytes alone would never leave the first check.
+# Meaningful pieces: random bytes alone would never pass the first check.
 WORDS = st.sampled_from(
     [
         BUNDLE,
@@ -49,7 +49,7 @@ NOISE = st.one_of(
 
 @st.composite
 def bent(draw: st.DrawFn) -> bytes:
-    """A golden datagram with a few bytes changed, cut out or put in."""
+    """A golden datagram with a few bytes changed, removed or inserted."""
     raw = bytearray(draw(st.sampled_from(GOLDEN)))
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, len(raw)))
@@ -68,19 +68,19 @@ def read_by_all(datagram: bytes) -> None:
 
 @settings(max_examples=300, deadline=None)
 @given(NOISE)
-def test_noise_leaves_by_the_one_door(datagram: bytes) -> None:
+def test_random_bytes_raise_only_protocol_error(datagram: bytes) -> None:
     read_by_all(datagram)
 
 
 @settings(max_examples=300, deadline=None)
 @given(bent())
-def test_bent_datagrams_leave_by_the_one_door(datagram: bytes) -> None:
+def test_changed_datagrams_raise_only_protocol_error(datagram: bytes) -> None:
     read_by_all(datagram)
 
 
 @settings(max_examples=50, deadline=None)
 @given(st.lists(st.tuples(bent() | st.sampled_from(GOLDEN), st.floats(0, 10)), max_size=30))
-def test_an_assembler_outlives_any_sequence(sequence: list[tuple[bytes, float]]) -> None:
+def test_an_assembler_survives_any_sequence(sequence: list[tuple[bytes, float]]) -> None:
     assembler = Assembler()
     for datagram, now_s in sequence:
         with contextlib.suppress(ProtocolError):
@@ -96,6 +96,6 @@ def test_an_assembler_outlives_any_sequence(sequence: list[tuple[bytes, float]])
         st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.lists(st.floats()),
     ),
 )
-def test_any_json_leaves_by_the_one_door(kind: str, view: dict[str, Any]) -> None:
+def test_any_json_raises_only_protocol_error(kind: str, view: dict[str, Any]) -> None:
     with contextlib.suppress(ProtocolError):
         from_json(kind, view)

@@ -37,7 +37,7 @@ def test_reserved_surfaces_are_refused(name: str) -> None:
         check_surface(name)
 
 
-def test_addresses_and_keys_are_spelt_as_promised() -> None:
+def test_addresses_and_keys_are_as_specified() -> None:
     assert address("table", "pointer") == "/halo/1/table/pointer"
     assert zenoh_key("desk", "table", "frame") == "halo/1/desk/table/frame"
     assert zenoh_key(ANY, ANY, ANY) == "halo/1/*/*/*"
@@ -48,7 +48,7 @@ def test_addresses_and_keys_are_spelt_as_promised() -> None:
 @pytest.mark.parametrize(
     "parts", [("*", "**", "frame"), ("a/b", "table", "frame"), ("a", "b", "x")]
 )
-def test_no_key_has_a_part_that_is_none(parts: tuple[str, str, str]) -> None:
+def test_an_invalid_part_of_a_key_is_refused(parts: tuple[str, str, str]) -> None:
     with pytest.raises(ProtocolError):
         zenoh_key(*parts)
 
@@ -106,7 +106,7 @@ def test_the_seed_is_unix_time_in_hundredths() -> None:
         (VERSION, VERSION, "accepted"),
     ],
 )
-def test_versions_meet(service: str, client: str, outcome: str) -> None:
+def test_the_outcome_of_two_versions(service: str, client: str, outcome: str) -> None:
     assert verdict(service, client) == outcome
 
 

@@ -1,4 +1,4 @@
-"""The table, the classes and the specification say the same."""
+"""The table, the classes and the specification agree."""
 
 import dataclasses
 import math
@@ -13,8 +13,8 @@ from halo_protocol.table import ROWS, Row
 
 SPEC = (Path(__file__).parents[2] / "protocol" / "SPEC.md").read_text()
 
-# What version 1.0 promised. Rows may grow behind these and never change within them.
-PROMISED = {
+# Version 1.0. Later versions append to these rows and never change them.
+RELEASED = {
     "frame": "node session frame time_s time_frac_us count",
     "pointer": "id slot hand finger state u v x_mm y_mm hover_mm pressure vx_mm_s vy_mm_s "
     "confidence contacts force_g",
@@ -26,7 +26,7 @@ PROMISED = {
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms",
 }
-PROMISED_TAGS = {
+RELEASED_TAGS = {
     "frame": "ssiiii",
     "pointer": "iiiiifffffffffif",
     "alive": "",
@@ -50,10 +50,10 @@ def test_a_row_names_the_fields_of_its_class(row: Row) -> None:
 
 
 @rows
-def test_a_row_begins_with_what_was_promised(row: Row) -> None:
+def test_a_row_begins_with_the_released_fields(row: Row) -> None:
     names = [field.name for field in row.fields]
-    assert names[: len(PROMISED[row.kind].split())] == PROMISED[row.kind].split()
-    assert row.tags.startswith(PROMISED_TAGS[row.kind])
+    assert names[: len(RELEASED[row.kind].split())] == RELEASED[row.kind].split()
+    assert row.tags.startswith(RELEASED_TAGS[row.kind])
 
 
 @rows
@@ -71,7 +71,7 @@ def test_a_message_survives_the_wire_and_the_view(row: Row) -> None:
         view[field.name] = plain if field.length == 1 else values[: field.length]
     view |= {"version": "1.2.3"} if "version" in view else {}
     view |= {"anchored": 1} if "anchored" in view else {}
-    view = {name: value for name, value in view.items() if name in PROMISED[row.kind].split()}
+    view = {name: value for name, value in view.items() if name in RELEASED[row.kind].split()}
     message = from_json(row.kind, view)
     assert decode(encode("table", message)) == [("table", message)]
     assert from_json(row.kind, to_json(message)) == message
@@ -92,7 +92,7 @@ UNREADABLE = [
 
 
 @pytest.mark.parametrize(("kind", "view", "says"), UNREADABLE)
-def test_a_view_that_is_none_is_refused(kind: str, view: dict[str, Any], says: str) -> None:
+def test_an_invalid_view_is_refused(kind: str, view: dict[str, Any], says: str) -> None:
     with pytest.raises(ProtocolError, match=says):
         from_json(kind, view)
 
@@ -103,15 +103,15 @@ def test_each_message_has_a_row() -> None:
 
 
 @rows
-def test_the_specification_tells_each_argument(row: Row) -> None:
+def test_the_specification_lists_each_argument(row: Row) -> None:
     chapter = SPEC.partition(f"### `/halo/1/{{surface}}/{row.kind}`")[2].partition("\n##")[0]
     chapter = chapter.partition("<!--")[0]
-    told = [line.split("`")[1] for line in chapter.splitlines() if line.startswith("| `")]
-    assert told == [field.name for field in row.fields]
+    listed = [line.split("`")[1] for line in chapter.splitlines() if line.startswith("| `")]
+    assert listed == [field.name for field in row.fields]
 
 
 @pytest.mark.parametrize("name", ENUMERATIONS)
-def test_the_specification_tells_each_word(name: str) -> None:
+def test_the_specification_lists_each_word(name: str) -> None:
     words = ", ".join(f"{member.value} `{member.name.lower()}`" for member in ENUMERATIONS[name])
     assert f"| `{name}` | `i` | {words} |" in SPEC
 

@@ -1,4 +1,4 @@
-"""The golden files are what the code makes, and the code makes what the golden files say."""
+"""The code and the golden files agree."""
 
 import contextlib
 import json
@@ -38,7 +38,7 @@ def from_file(surface: str, views: list[dict[str, Any]]) -> list[tuple[str, type
     return [(surface, type(message), to_json(message)) for message in messages]
 
 
-def test_the_committed_files_are_what_the_command_writes() -> None:
+def test_the_committed_files_are_up_to_date() -> None:
     command = [sys.executable, str(PROTOCOL / "generate.py"), "--check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -49,11 +49,11 @@ def test_a_frame_encodes_to_its_bytes(vector: dict[str, Any]) -> None:
     parts = [
         [from_json(view["kind"], view) for view in part["messages"]] for part in vector["datagrams"]
     ]
-    said: dict[str, Any] = {kind: [] for kind in ("Frame", "Pointer", "Down", "Up", "Alive")}
+    by_kind: dict[str, Any] = {kind: [] for kind in ("Frame", "Pointer", "Down", "Up", "Alive")}
     for message in [message for part in parts for message in part]:
-        said[type(message).__name__].append(message)
+        by_kind[type(message).__name__].append(message)
     datagrams = encode_frame(
-        vector["surface"], said["Frame"][0], said["Pointer"], said["Down"], said["Up"]
+        vector["surface"], by_kind["Frame"][0], by_kind["Pointer"], by_kind["Down"], by_kind["Up"]
     )
     assert [datagram.hex() for datagram in datagrams] == [p["hex"] for p in vector["datagrams"]]
 
@@ -79,7 +79,7 @@ def test_each_datagram_of_a_frame_keeps_the_rules(vector: dict[str, Any]) -> Non
 
 
 @pytest.mark.parametrize("vector", vectors("reports"))
-def test_a_report_is_written_and_read_alike(vector: dict[str, Any]) -> None:
+def test_a_report_is_written_and_read(vector: dict[str, Any]) -> None:
     (view,) = vector["messages"]
     datagram = encode(vector["surface"], from_json(view["kind"], view), vector["time_us"])
     assert datagram.hex() == vector["hex"]
@@ -87,13 +87,13 @@ def test_a_report_is_written_and_read_alike(vector: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("vector", vectors("readings"))
-def test_what_strangers_write_is_read(vector: dict[str, Any]) -> None:
+def test_datagrams_of_other_programs_are_read(vector: dict[str, Any]) -> None:
     expected = [from_file(view["surface"], [view])[0] for view in vector["messages"]]
     assert in_json(bytes.fromhex(vector["hex"])) == expected
 
 
 @pytest.mark.parametrize("vector", vectors("malformed"))
-def test_what_is_malformed_is_refused(vector: dict[str, Any]) -> None:
+def test_malformed_datagrams_are_refused(vector: dict[str, Any]) -> None:
     with pytest.raises(ProtocolError) as refused:
         decode(bytes.fromhex(vector["hex"]))
     assert str(refused.value) == vector["refusal"]
@@ -122,7 +122,9 @@ def test_every_truncation_is_refused_or_ends_between_two_messages(datagram: byte
 
 
 @pytest.mark.parametrize("datagram", list(datagrams("malformed")))
-def test_every_truncation_of_the_malformed_leaves_by_the_same_door(datagram: bytes) -> None:
+def test_every_truncation_of_a_malformed_datagram_raises_only_protocol_error(
+    datagram: bytes,
+) -> None:
     for length in range(len(datagram)):
         with contextlib.suppress(ProtocolError):
             decode(datagram[:length])

@@ -168,7 +168,7 @@ def _run(
     def draw(now_s: float, note: str) -> None:
         if stage is not None:
             stage.pressed()
-            view.draw(stage.screen, stage.placed(receiver.known), now_s, note)
+            view.draw(stage.screen, stage.placed(receiver.services), now_s, note)
             stage.show()
 
     listen(NAME, receiver, stage, take, draw)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pygame
 
-from halo_client import Placing
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client import PictureTransform
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_drums.kit import Pad
 from halo_drums.player import Gesture, Hit, Shape
 from halo_window import Placed
@@ -118,7 +118,7 @@ def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture])
             view.take(gesture, gesture.time_us / 1e6)
     pygame.font.init()
     screen = pygame.Surface((1200, 800))
-    placing = Placing.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)
+    placing = PictureTransform.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)
     view.draw(screen, Placed(placing, WIDTH_MM, HEIGHT_MM), moment_us / 1e6)
     with path.open("wb") as file:
         pygame.image.save(screen, file, "x.png")

@@ -17,7 +17,7 @@ import pygame
 
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_paint.brushes import BRUSHES
 from halo_paint.painter import Change, Painter
 from halo_paint.render import KINDS, painted, save
@@ -69,7 +69,7 @@ class App:
         self._receiver, self._stage, self._painter = receiver, stage, painter
         self._folder = folder
         self._fingers: tuple[Pointer, ...] = ()
-        self._view = View(stage.screen.get_size(), stage.placed(receiver.known))
+        self._view = View(stage.screen.get_size(), stage.placed(receiver.services))
         self._said, self._said_s = "", 0.0
 
     def run(self) -> None:
@@ -101,7 +101,7 @@ class App:
 
     def _fit(self) -> None:
         """Paint anew where the window or what the projector shows has changed."""
-        size, placed = self._stage.screen.get_size(), self._stage.placed(self._receiver.known)
+        size, placed = self._stage.screen.get_size(), self._stage.placed(self._receiver.services)
         if (size, placed) != (self._view.size, self._view.placed):
             self._painter.size_mm = (placed.width_mm, placed.height_mm)
             self._view = View(size, placed)

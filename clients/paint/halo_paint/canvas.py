@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_client import Placing
+from halo_client import PictureTransform
 from halo_paint.brushes import PAPER, Colour
 from halo_paint.stroke import Stroke
 from halo_paint.sweep import Box, Layer, sweep
@@ -33,7 +33,9 @@ class _Wet:
 class Canvas:
     """A paper of so many pixels, and where the surface is on it."""
 
-    def __init__(self, width: int, height: int, placing: Placing, paper: Colour = PAPER) -> None:
+    def __init__(
+        self, width: int, height: int, placing: PictureTransform, paper: Colour = PAPER
+    ) -> None:
         self.placing = placing
         self._dry = np.empty((height, width, 3), np.uint8)
         self._dry[:] = paper

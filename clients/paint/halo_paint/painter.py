@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 
 from halo_client import Began, Ended, Moved, TouchKey, touches
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_paint.brushes import BRUSHES, COLOURS, Brush, Colour
 from halo_paint.palette import Action, Cell, cell_at
 from halo_paint.stroke import Stroke

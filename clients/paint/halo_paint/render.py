@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pygame
 
-from halo_client import Placing
+from halo_client import PictureTransform
 from halo_paint.brushes import PAPER
 from halo_paint.canvas import Canvas, Pixels
 from halo_paint.painter import Painter
@@ -34,7 +34,9 @@ def to_pixels(
 ) -> Pixels:
     """The surface as a picture of so many pixels across."""
     height_px = round(width_px * height_mm / width_mm)
-    canvas = Canvas(width_px, height_px, Placing.fitted(width_px, height_px, width_mm, height_mm))
+    canvas = Canvas(
+        width_px, height_px, PictureTransform.fitted(width_px, height_px, width_mm, height_mm)
+    )
     canvas.repaint(list(strokes))
     return canvas.pixels
 

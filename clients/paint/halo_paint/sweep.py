@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_client import Placing
+from halo_client import PictureTransform
 from halo_paint.brushes import Array
 from halo_paint.stroke import Piece, Stroke
 
@@ -46,7 +46,7 @@ class _Disc:
     """(bristles,) opacity."""
 
 
-def sweep(layer: Layer, placing: Placing, stroke: Stroke, drawn: int = 0) -> Box | None:
+def sweep(layer: Layer, placing: PictureTransform, stroke: Stroke, drawn: int = 0) -> Box | None:
     """Draw a stroke's pieces from one on into its layer; returns where."""
     pieces = stroke.pieces
     opened = _opening(pieces[drawn - 1], -2, -1) if drawn else math.inf
@@ -59,7 +59,7 @@ def sweep(layer: Layer, placing: Placing, stroke: Stroke, drawn: int = 0) -> Box
 
 
 def _sweep(
-    layer: Layer, placing: Placing, piece: Piece, opened: float, ends_here: bool
+    layer: Layer, placing: PictureTransform, piece: Piece, opened: float, ends_here: bool
 ) -> Box | None:
     """`opened`: of the disc where the piece begins, see `_opening`."""
     x, y = np.array([placing.pixel(*at) for at in zip(piece.x, piece.y, strict=True)]).T

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pygame
 
-from halo_client import Placing
+from halo_client import PictureTransform
 from halo_paint.brushes import PAPER, Brush, Colour
 from halo_paint.canvas import Canvas, over
 from halo_paint.painter import Change, News, Painter
@@ -126,5 +126,5 @@ class View:
         return self.placed.placing.pixel(u * self.placed.width_mm, v * self.placed.height_mm)
 
     def _scale(self, u: float, v: float) -> float:
-        placing: Placing = self.placed.placing
+        placing: PictureTransform = self.placed.placing
         return placing.scale(u * self.placed.width_mm, v * self.placed.height_mm)

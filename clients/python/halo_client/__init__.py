@@ -4,7 +4,7 @@
         for pointer in frame.pointers:
             print(pointer.id, pointer.x_mm, pointer.y_mm, pointer.pressure)
 
-It knows the promise (`halo_protocol`) and never the service.
+It depends on `halo_protocol` and never on the service.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Generator
 from typing import overload
 
 from halo_client.errors import ClientError
-from halo_client.known import Known
-from halo_client.placing import Placing
+from halo_client.known_services import KnownServices
+from halo_client.picture import PictureTransform
 from halo_client.receiver import Input, Losses, Receiver
 from halo_client.silence import Silence, waiting
 from halo_client.source import (
@@ -35,11 +35,11 @@ __all__ = [
     "Ended",
     "FileSource",
     "Input",
-    "Known",
+    "KnownServices",
     "Losses",
     "Moved",
     "OscSource",
-    "Placing",
+    "PictureTransform",
     "Receiver",
     "Silence",
     "Source",
@@ -57,9 +57,9 @@ __all__ = [
 def receive(source: str | Source = DEFAULT_SOURCE) -> Receiver:
     """Open a source; close the receiver, or use it in a `with`.
 
-    `"osc://127.0.0.1:9000"` hears datagrams on a port of this machine,
-    `"zenoh://?connect=tcp/127.0.0.1:7447"` subscribes, `"take.jsonl"` plays a recorded stream at
-    its own pace. `ClientError` where it cannot be opened.
+    `"osc://127.0.0.1:9000"` receives datagrams on a port of this machine,
+    `"zenoh://?connect=tcp/127.0.0.1:7447"` subscribes, `"recording.jsonl"` replays a recorded
+    stream at its own speed. `ClientError` if it cannot be opened.
     """
     if isinstance(source, str):
         source = parse_source(source)
@@ -77,18 +77,18 @@ def frames(*, timeout_s: float) -> Generator[TouchFrame | None, None, None]: ...
 def frames(
     source: str | Source = DEFAULT_SOURCE, timeout_s: float | None = None
 ) -> Generator[TouchFrame | None, None, None]:
-    """Each frame as it comes; with a timeout, None whenever none came for so long.
+    """Yield each frame when it arrives; with a timeout, None after each wait without a frame.
 
-    It goes on for ever, but for a recorded stream, which ends.
+    A live source never ends; a recorded stream does.
 
-    The source is opened with the first frame that is asked for, and closed with the iterator.
+    The source is opened with the first frame that is read, and closed with the iterator.
     """
     with receive(source) as receiver:
         yield from receiver.frames(timeout_s)
 
 
 def _open(source: Source) -> Input:
-    # Imported when asked for: a client of UDP does not wait for Zenoh to load.
+    # Imported when needed: a UDP client does not wait for Zenoh to load.
     if isinstance(source, OscSource):
         from halo_client.udp import UdpInput
 

@@ -1,6 +1,6 @@
-"""Guests that came without their libraries say so in a sentence.
+"""Checks that the optional libraries of a client program are installed.
 
-Rule: it looks for modules and imports none of them.
+Rule: it looks for modules and imports none.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from collections.abc import Sequence
 
 
 def require_extra(program: str, extra: str, modules: Sequence[str]) -> None:
-    """Return where all modules are installed; else say what brings them, and exit with 2."""
+    """Return if all modules are installed; else print how to install them, and exit with 2."""
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     if missing:
-        print(  # noqa: T201 - for a program that cannot begin
+        print(  # noqa: T201 - a program that cannot start
             f"{program}: {', '.join(missing)} missing; `uv pip install './clients[{extra}]'` "
-            "brings what it needs",
+            "installs what it needs",
             file=sys.stderr,
         )
         raise SystemExit(2)

@@ -1,8 +1,8 @@
-"""A recorded stream: a file with a line of JSON for each frame.
+"""A recorded stream: a file with one line of JSON per frame.
 
-Rule: each line becomes the datagrams that it stands for, so that a recording is heard exactly
-as the wire is, by the same assembler. Read are the lines that `halo replay --jsonl` writes and
-those of `halo-monitor --json`, which hold scenes and homographies, too.
+Rule: each line is encoded to datagrams again, so that a recording goes through the same
+assembler as a live stream. It reads the lines of `halo replay --jsonl` and those of
+`halo-monitor --json`, which also contain scenes and homographies.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ _REPORTS = frozenset(ZENOH_KINDS) - {"frame"}
 
 
 class JsonlInput:
-    """An open file, at its own pace or as fast as it is asked. `ClientError` names a bad line."""
+    """An open file, at its own speed or as fast as it is read. `ClientError` names a bad line."""
 
     def __init__(self, source: FileSource) -> None:
         self.url = str(source.path)
         self._paced = source.paced
         self._line = 0
-        self._began: tuple[float, int] | None = None
+        self._started: tuple[float, int] | None = None
         self._ready: deque[bytes] = deque()
         self._due_s = 0.0
         try:
@@ -45,7 +45,7 @@ class JsonlInput:
             raise ClientError(f"cannot read {source.path} ({error.strerror})") from error
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next datagram when its time has come, else None; `EndOfStream` at the end."""
+        """The next datagram when it is due, else None; `EndOfStream` at the end."""
         while not self._ready:
             self._read_line()
         wait_s = self._due_s - time.monotonic() if self._paced else 0.0
@@ -64,7 +64,7 @@ class JsonlInput:
         try:
             text = self._file.readline()
         except UnicodeDecodeError as error:
-            raise ClientError(f"{self.url} is not a recorded stream: it is no text") from error
+            raise ClientError(f"{self.url} is not a recorded stream: it is not text") from error
         if not text:
             raise EndOfStream
         self._line += 1
@@ -80,24 +80,24 @@ class JsonlInput:
         except (ValueError, KeyError, TypeError, AttributeError, ProtocolError) as error:
             reason = f"no {error}" if isinstance(error, KeyError) else error
             raise ClientError(
-                f"{self.url}, line {self._line}, is no frame ({reason}); "
+                f"{self.url}, line {self._line}, is not a frame ({reason}); "
                 "`halo replay ... --jsonl FILE` writes such files"
             ) from error
 
     def _due(self, time_us: int) -> float:
-        if self._began is None:
-            self._began = time.monotonic(), time_us
-        began_s, first_us = self._began
-        return began_s + (time_us - first_us) / 1e6
+        if self._started is None:
+            self._started = time.monotonic(), time_us
+        started_s, first_us = self._started
+        return started_s + (time_us - first_us) / 1e6
 
 
 def datagrams(line: dict[str, Any]) -> list[bytes]:
-    """What a service would have sent. `ProtocolError` or `KeyError` where something is missing."""
+    """The datagrams of a line. `ProtocolError` or `KeyError` if a field is missing."""
     kind = line.get("kind", "frame")
     if kind in _REPORTS:
         return [encode(line["surface"], from_json(kind, line))]
     if kind != "frame":
-        return []  # Such as `lost`: what a listener noticed, and nobody sent.
+        return []  # Such as `lost`: an observation of the receiver, never sent.
     pointers = [from_json("pointer", each) for each in line["pointers"]]
     events = [from_json(each["kind"], each) for each in line["events"]]
     time_us: int = line["time_us"]

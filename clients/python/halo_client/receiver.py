@@ -1,7 +1,7 @@
-"""Events out of an input: the loop between a socket and a picture.
+"""Turns the datagrams of an input into events.
 
-Rule: here alone is a clock read. What bytes mean is `halo_protocol`'s; how they come is an
-`Input`'s. Bad datagrams are counted, told once a sender, and never raised.
+Rule: only this module reads a clock. `halo_protocol` decodes; an `Input` brings datagrams. Bad
+datagrams are counted, logged once per sender, and never raised.
 """
 
 from __future__ import annotations
@@ -15,45 +15,45 @@ from dataclasses import dataclass
 from typing import Protocol, Self, overload
 
 from halo_client.errors import EndOfStream
-from halo_client.known import Known
+from halo_client.known_services import KnownServices
 from halo_protocol import VERSION, Assembler, Event, Lost, ProtocolError, TouchFrame
 
 _LOG = logging.getLogger("halo_client")
 _TICK_S = 0.25
-"""How often silence is looked for while nothing comes."""
+"""How often lost services are detected while nothing arrives."""
 _SENDERS = 256
-"""Senders of bad datagrams that are told; a forger of addresses cannot fill the log."""
+"""Senders of bad datagrams that are logged; forged addresses cannot fill the log."""
 _MAJOR = int(VERSION.partition(".")[0])
 _ADDRESS = re.compile(rb"/halo/(\d{1,4})/")
 
 
 class Input(Protocol):
-    """What brings datagrams."""
+    """A source of datagrams."""
 
     url: str
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next datagram and who sent it, or None after so many seconds.
+        """The next datagram and its sender, or None after the timeout.
 
-        `EndOfStream` where nothing will ever come again.
+        `EndOfStream` when the input has ended for good.
         """
 
     def close(self) -> None:
-        """Let go of what was opened. May be called twice."""
+        """Close the input. May be called twice."""
 
 
 @dataclass(slots=True)
 class Losses:
-    """What did not arrive, or not as it should, since the receiver was opened."""
+    """Losses and errors since the receiver was opened."""
 
     missed: int = 0
-    """Frames that the counter says were sent, and that never came."""
+    """Frames that were sent (by the frame counter) and never arrived."""
     incomplete: int = 0
-    """Frames of which a part was lost."""
+    """Frames with a lost part."""
     dropped: int = 0
-    """Parts that came late or twice."""
+    """Parts that arrived late or twice."""
     bad: int = 0
-    """Datagrams that were no protocol."""
+    """Datagrams that could not be decoded."""
     foreign: int = 0
     """Datagrams of another major version of the protocol."""
 
@@ -67,20 +67,20 @@ class Receiver:
         self._warned: set[str] = set()
         self.losses = Losses()
         self.ended = False
-        """Whether a recorded stream is over; its open touches were ended then."""
-        self.known = Known()
-        """The latest scene, homography, pose and health of each service's surface."""
+        """Whether a recorded stream is over; its open touches were ended."""
+        self.services = KnownServices()
+        """The latest scene, homography, pose and health of each surface."""
 
     @property
     def url(self) -> str:
-        """Where this receiver hears."""
+        """The source of this receiver."""
         return self._source.url
 
     def poll(self, timeout_s: float) -> list[Event]:
-        """The events of the next datagram, or none after so many seconds.
+        """The events of the next datagram, or none after the timeout.
 
         Each is a `TouchFrame`, a `Report` (scene, homography, pose, health) or a `Lost`. Call
-        it at least a few times a second: it also finds out who has gone silent.
+        it at least a few times a second: it also detects lost services.
         """
         try:
             received = self._source.receive(timeout_s)
@@ -98,13 +98,15 @@ class Receiver:
     @overload
     def frames(self, timeout_s: float) -> Iterator[TouchFrame | None]: ...
     def frames(self, timeout_s: float | None = None) -> Iterator[TouchFrame | None]:
-        """Each frame as it is there; with a timeout, None whenever none came for so long.
+        """Yield each frame when it arrives; with a timeout, None after each wait without one.
 
-        It ends with a recorded stream, and never else.
+        It ends only with a recorded stream.
         """
         quiet_since_s = time.monotonic()
         while not self.ended:
-            frames = [e for e in self.poll(self._patience(timeout_s)) if isinstance(e, TouchFrame)]
+            frames = [
+                e for e in self.poll(self._poll_timeout(timeout_s)) if isinstance(e, TouchFrame)
+            ]
             yield from frames
             now_s = time.monotonic()
             if frames:
@@ -114,18 +116,18 @@ class Receiver:
                 yield None
 
     def close(self) -> None:
-        """Let go of the source. May be called twice."""
+        """Close the source. May be called twice."""
         self._source.close()
 
     @staticmethod
-    def _patience(timeout_s: float | None) -> float:
+    def _poll_timeout(timeout_s: float | None) -> float:
         return _TICK_S if timeout_s is None else min(timeout_s, _TICK_S)
 
     def _read(self, datagram: bytes, sender: str, now_s: float) -> list[Event]:
         try:
             events = self._assembler.receive_data(datagram, now_s)
             if not events:
-                self._look_for_another_major(datagram)
+                self._count_other_major(datagram)
             return events
         except ProtocolError as error:
             self.losses.bad += 1
@@ -134,7 +136,7 @@ class Receiver:
                 _LOG.warning("skipping bad datagrams from %s: %s", sender, error)
             return self._assembler.expire(now_s)
 
-    def _look_for_another_major(self, datagram: bytes) -> None:
+    def _count_other_major(self, datagram: bytes) -> None:
         found = _ADDRESS.search(datagram)
         if found is None or int(found[1]) == _MAJOR:
             return
@@ -142,7 +144,7 @@ class Receiver:
         if self.losses.foreign == 1:
             _LOG.warning(
                 "a service at %s speaks protocol %d, and this program speaks %d: "
-                "use versions of both that belong together",
+                "install matching versions of both",
                 self.url,
                 int(found[1]),
                 _MAJOR,
@@ -153,9 +155,9 @@ class Receiver:
             self.losses.missed += event.missed
             self.losses.incomplete += not event.complete
         elif isinstance(event, Lost):
-            self.known.forget(event)
+            self.services.forget(event)
         else:
-            self.known.learn(event)
+            self.services.update(event)
 
     def __enter__(self) -> Self:
         return self

@@ -1,6 +1,6 @@
-"""One sentence when nobody plays, and one when somebody does again.
+"""One sentence when no frames arrive, and one when they arrive again.
 
-Rule: pure; the caller brings the time and prints.
+Rule: pure; the caller passes the time and prints.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 from halo_protocol import Event, TouchFrame
 
-PATIENCE_S = 2.0
-"""Silence that is worth a word; a service says something at least once a second."""
+REPORT_AFTER_S = 2.0
+"""Silence that is reported; a service sends at least once a second."""
 
 
 def waiting(url: str) -> str:
-    """What to say while nothing comes."""
+    """The sentence to print while no frames arrive."""
     return (
         f"waiting: no frames at {url} yet; is `halo serve` running, and does it send here? "
         "Ctrl-C ends"
@@ -22,22 +22,22 @@ def waiting(url: str) -> str:
 
 
 class Silence:
-    """Notices that no frames come, and that they come again."""
+    """Detects that frames stop and that they start again."""
 
     def __init__(self, url: str, now_s: float) -> None:
         self._url = url
-        self._heard_s = now_s
+        self._last_frame_s = now_s
         self.waiting = False
-        """Whether it has been silent for so long that it was said."""
+        """Whether the silence was reported."""
 
     def notice(self, events: Sequence[Event], now_s: float) -> str | None:
-        """Take in what a poll brought, at any clock's time; a sentence where there is news."""
+        """Process the events of a poll; returns a sentence when the state changes."""
         if any(isinstance(event, TouchFrame) for event in events):
-            self._heard_s = now_s
+            self._last_frame_s = now_s
             if self.waiting:
                 self.waiting = False
                 return f"frames come from {self._url}"
-        elif not self.waiting and now_s - self._heard_s > PATIENCE_S:
+        elif not self.waiting and now_s - self._last_frame_s > REPORT_AFTER_S:
             self.waiting = True
             return waiting(self._url)
         return None

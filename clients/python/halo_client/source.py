@@ -1,6 +1,6 @@
-"""Where to receive from, as a URL.
+"""Source URLs.
 
-Rule: text in, frozen values out; nothing is opened here. Each refusal names what is known.
+Rule: text in, frozen values out; nothing is opened here. Each error lists the valid choices.
 """
 
 from __future__ import annotations
@@ -16,30 +16,30 @@ DEFAULT_SOURCE = "osc://127.0.0.1:9000"
 DEFAULT_OSC_PORT = 9000
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 RECORDED = ".jsonl"
-"""How the name of a recorded stream ends."""
+"""File name suffix of a recorded stream."""
 _EXAMPLES = f"{DEFAULT_SOURCE} or zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
 
 
 @dataclass(frozen=True, slots=True)
 class OscSource:
-    """OSC datagrams, heard on a UDP port of this machine."""
+    """OSC datagrams on a UDP port of this machine."""
 
     host: str
-    """The address to listen on; 0.0.0.0 hears the whole network."""
+    """Address to listen on; 0.0.0.0 receives from the whole network."""
     port: int
-    """0 lets the system choose a free one."""
+    """0: a free port, chosen by the system."""
 
 
 @dataclass(frozen=True, slots=True)
 class ZenohSource:
-    """Zenoh samples, from the peers or routers named, or from whom multicast finds."""
+    """Zenoh samples from named peers or routers, or from peers found by multicast."""
 
     connect: tuple[str, ...]
-    """Endpoints such as `tcp/127.0.0.1:7447`; a peer that is not there yet is tried again."""
+    """Endpoints such as `tcp/127.0.0.1:7447`; an absent peer is tried again."""
     listen: tuple[str, ...] = ()
     """Endpoints on which other peers may reach this one; none by default."""
     multicast: bool = False
-    """Whether to look for peers by multicast, which many networks do not carry."""
+    """Whether to find peers by multicast, which many networks block."""
     mode: str = "peer"
     """`peer` or `client`."""
     node: str = ANY
@@ -50,22 +50,22 @@ class ZenohSource:
 
 @dataclass(frozen=True, slots=True)
 class FileSource:
-    """A recorded stream, as `halo replay --jsonl` or `halo-monitor --json` wrote it."""
+    """A recorded stream, written by `halo replay --jsonl` or `halo-monitor --json`."""
 
     path: Path
     paced: bool = True
-    """Whether frames come at the times they were taken at, or as fast as they are asked for."""
+    """Whether frames come at their recorded times, or as fast as they are read."""
 
 
 Source = OscSource | ZenohSource | FileSource
 
 
 def parse_source(url: str) -> Source:
-    """`osc://HOST:PORT`, `zenoh://?connect=...` or `FILE.jsonl` as a value, else `ClientError`.
+    """Read `osc://HOST:PORT`, `zenoh://?connect=...` or `FILE.jsonl`; else `ClientError`.
 
     Zenoh's settings: `connect` and `listen` (any number of each), `multicast=on|off`,
-    `mode=peer|client`, `node`, `surface`. Without `connect` and with multicast off it is the
-    service on this machine.
+    `mode=peer|client`, `node`, `surface`. Without `connect` and with multicast off, the
+    source is the service on this machine.
     """
     if url.endswith(RECORDED) and "://" not in url:
         return FileSource(Path(url))
@@ -83,22 +83,22 @@ def parse_source(url: str) -> Source:
 
 def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:
     if parts.query or parts.path not in ("", "/"):
-        raise ClientError(f"osc takes a host and a port, not {url!r}; use {DEFAULT_SOURCE}")
+        raise ClientError(f"osc needs a host and a port, not {url!r}; use {DEFAULT_SOURCE}")
     return OscSource(parts.hostname or "127.0.0.1", DEFAULT_OSC_PORT if port is None else port)
 
 
 def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
     if parts.netloc or parts.path not in ("", "/"):
-        raise ClientError(f"zenoh takes settings only, not {url!r}; use {_EXAMPLES}")
+        raise ClientError(f"zenoh accepts settings only, not {url!r}; use {_EXAMPLES}")
     settings = parse_qs(parts.query, keep_blank_values=True)
     known = ("connect", "listen", "multicast", "mode", "node", "surface")
     for name in settings:
         if name not in known:
-            raise ClientError(f"zenoh: unknown setting {name!r}; known: {', '.join(known)}")
+            raise ClientError(f"zenoh: unknown setting {name!r}; choose from: {', '.join(known)}")
     multicast = _one_of(settings, "multicast", ("off", "on")) == "on"
     listen = tuple(settings.get("listen", ()))
-    nobody_named = not multicast and not listen
-    default = (DEFAULT_ZENOH_ENDPOINT,) if nobody_named else ()
+    only_local = not multicast and not listen
+    default = (DEFAULT_ZENOH_ENDPOINT,) if only_local else ()
     try:
         node = check_name(settings["node"][-1], "node") if "node" in settings else ANY
         surface = check_surface(settings["surface"][-1]) if "surface" in settings else ANY
@@ -115,7 +115,7 @@ def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
 
 
 def _one_of(settings: dict[str, list[str]], name: str, known: tuple[str, ...]) -> str:
-    """The setting's word; the first known one where it is not given."""
+    """The value of a setting; default: the first known one."""
     word = settings.get(name, [known[0]])[-1]
     if word not in known:
         raise ClientError(f"zenoh: {name} is {' or '.join(known)}, not {word!r}")

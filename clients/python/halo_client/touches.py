@@ -1,7 +1,7 @@
-"""From frames to touches: one begins, it moves, it ends.
+"""Converts frames to touches, which begin, move and end.
 
-Rule: pure, and nothing is remembered: the assembler has counted each touch once, made up what
-was lost, and ended what its service left open. Whoever joins in mid-touch is told of moves first.
+Rule: pure, without state: the assembler counts each touch once, infers lost events, and ends
+the touches of a lost service. A client that joins during a touch gets `Moved` first.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from halo_protocol import Down, Pointer, TouchFrame, Up
 
 @dataclass(frozen=True, slots=True)
 class TouchKey:
-    """Names one touch among all that any service ever tells."""
+    """Identifies one touch among those of all services."""
 
     node: str
     surface: str
@@ -28,10 +28,10 @@ class Began:
 
     key: TouchKey
     time_us: int
-    """When it came down, on the clock of the frames."""
+    """Time of contact, on the clock of the frames."""
     down: Down
     pointer: Pointer | None
-    """The finger in the frame that tells of it; None where it has left by then."""
+    """The finger in the same frame; None if it has already left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,23 +56,23 @@ Touch = Began | Moved | Ended
 
 
 def touches(frame: TouchFrame) -> list[Touch]:
-    """What a frame tells of touches, those of each finger in the order in which they happened."""
+    """The touches of a frame; those of one finger in order of time."""
     living = {pointer.id: pointer for pointer in frame.pointers}
-    told: list[Touch] = []
+    found: list[Touch] = []
     for event in frame.events:
         key = _key(frame, event)
         time_us = frame.time_us - round(event.ago_ms * 1000)
         if isinstance(event, Up):
-            told.append(Ended(key, time_us, event))
+            found.append(Ended(key, time_us, event))
         else:
-            told.append(Began(key, time_us, event, living.get(event.id)))
-    settled = {touch.key for touch in told}
+            found.append(Began(key, time_us, event, living.get(event.id)))
+    reported = {touch.key for touch in found}
     for pointer in frame.pointers:
         key = _key(frame, pointer)
-        if pointer.touching and key not in settled:
-            told.append(Moved(key, frame.time_us, pointer))
-    return told
+        if pointer.touching and key not in reported:
+            found.append(Moved(key, frame.time_us, pointer))
+    return found
 
 
-def _key(frame: TouchFrame, seen: Down | Up | Pointer) -> TouchKey:
-    return TouchKey(frame.node, frame.surface, frame.session, seen.id, seen.contacts)
+def _key(frame: TouchFrame, item: Down | Up | Pointer) -> TouchKey:
+    return TouchKey(frame.node, frame.surface, frame.session, item.id, item.contacts)

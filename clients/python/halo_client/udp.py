@@ -1,7 +1,7 @@
 """Datagrams from a UDP port.
 
-Rule: the socket and nothing else. The port is never shared: with SO_REUSEPORT one of two
-clients would silently get nothing, or each a part.
+Rule: only the socket. The port is never shared: with SO_REUSEPORT one of two clients would
+silently get nothing, or each would get a part.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from halo_client.source import OscSource
 
 _LARGEST = 65_535
 _BUFFER_BYTES = 1 << 20
-"""The kernel keeps some seconds of frames for a client that is busy; beyond, it drops."""
+"""The kernel buffers some seconds of frames for a busy client, then drops."""
 
 
 class UdpInput:
-    """An open port. A context manager; `ClientError` where it cannot be opened."""
+    """An open port. A context manager; `ClientError` if it cannot be opened."""
 
     def __init__(self, source: OscSource) -> None:
         family = socket.AF_INET6 if ":" in source.host else socket.AF_INET
@@ -31,23 +31,23 @@ class UdpInput:
             self._socket.close()
             raise ClientError(_cannot_bind(source, error)) from error
         self.url = f"osc://{_bracketed(source.host)}:{self._socket.getsockname()[1]}"
-        """Where it hears, with the port that the system chose."""
+        """Its address, with the port that the system chose."""
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next datagram and its sender, or None where none came for so long."""
-        # A timeout of 0 would mean "without waiting", and raise another error.
+        """The next datagram and its sender, or None after the timeout."""
+        # A timeout of 0 would mean "non-blocking", which raises another error.
         self._socket.settimeout(max(timeout_s, 1e-4))
         try:
             datagram, address = self._socket.recvfrom(_LARGEST)
         except TimeoutError:
             return None
         except ConnectionResetError:
-            # Windows: an earlier answer of ours found nobody. It says nothing about who sends.
+            # Windows: an earlier reply did not reach its receiver. The port still works.
             return None
         return datagram, str(address[0])
 
     def close(self) -> None:
-        """Give the port back. May be called twice."""
+        """Close the port. May be called twice."""
         self._socket.close()
 
     def __enter__(self) -> Self:
@@ -65,10 +65,10 @@ def _cannot_bind(source: OscSource, error: Exception) -> str:
     where = f"UDP port {source.port} on {source.host}"
     if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
         return (
-            f"{where} is taken, probably by another client: close it, or let the service send "
+            f"{where} is in use, probably by another client: close it, or let the service send "
             f"to one more port and receive there (osc://{_bracketed(source.host)}:"
             f"{source.port + 2}), or use zenoh, which any number of clients can share"
         )
     if isinstance(error, OSError) and error.errno == errno.EACCES:
-        return f"{where} needs rights that you do not have; choose a port above 1023"
+        return f"{where} needs administrator rights; choose a port above 1023"
     return f"cannot listen on {where} ({error}); is {source.host} an address of this machine?"

@@ -1,7 +1,7 @@
 """Datagrams from Zenoh.
 
-Rule: Zenoh's callback only puts samples into a bounded ring, so that it never blocks; what a
-busy client does not fetch is lost from the old end, and heals with the next frame.
+Rule: Zenoh's callback only appends samples to a bounded ring, so it never blocks. When a client
+is busy, the oldest samples are dropped; the next frame replaces them.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from halo_protocol import ANY, zenoh_key
 
 _OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
 _OTHERS = "halo/*/*/*/scene"
-"""Scenes of any major version: a service that speaks another one shall not be plain silence."""
+"""Scenes of any major version, so that a service of another one is reported."""
 
 RING = 256
-"""Samples that wait at most: some seconds of one service's."""
+"""Samples that wait at most: some seconds of one service."""
 
 
 class ZenohInput:
-    """A Zenoh session that subscribes. A context manager; `ClientError` where it cannot open."""
+    """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open."""
 
     def __init__(self, source: ZenohSource) -> None:
         self._ring: deque[tuple[bytes, str]] = deque(maxlen=RING)
@@ -37,33 +37,34 @@ class ZenohInput:
         except zenoh.ZError as error:
             raise ClientError(_cannot_open(source, error)) from error
         key = zenoh_key(source.node, source.surface, ANY)
-        self._subscriber = self._session.declare_subscriber(key, self._keep)
-        self._foreign = self._session.declare_subscriber(_OTHERS, self._keep_foreign)
+        self._subscriber = self._session.declare_subscriber(key, self._store)
+        self._foreign = self._session.declare_subscriber(_OTHERS, self._store_foreign)
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next payload and its key, or None where none came for so long."""
+        """The next payload and its key, or None after the timeout."""
         with self._arrived:
             if not self._ring:
                 self._arrived.wait(timeout_s)
             return self._ring.popleft() if self._ring else None
 
     def close(self) -> None:
-        """Undeclare, then close: an open subscriber can hold a closing session. Twice is fine."""
+        """Undeclare, then close: an open subscriber can block a closing session. May be called
+        twice."""
         if not self._closed:
             self._closed = True
             self._subscriber.undeclare()
             self._foreign.undeclare()
             self._session.close()
 
-    def _keep(self, sample: zenoh.Sample) -> None:
+    def _store(self, sample: zenoh.Sample) -> None:
         with self._arrived:
             self._ring.append((sample.payload.to_bytes(), str(sample.key_expr)))
             self._arrived.notify()
 
-    def _keep_foreign(self, sample: zenoh.Sample) -> None:
+    def _store_foreign(self, sample: zenoh.Sample) -> None:
         if str(sample.key_expr).split("/")[:2] != _OWN:
-            self._keep(sample)
+            self._store(sample)
 
     def __enter__(self) -> Self:
         return self
@@ -73,15 +74,15 @@ class ZenohInput:
 
 
 def zenoh_config(source: ZenohSource) -> zenoh.Config:
-    """Zenoh's own configuration for a source."""
+    """The Zenoh configuration of a source."""
     settings: dict[str, Any] = {
         "mode": source.mode,
         "connect/endpoints": list(source.connect),
         "listen/endpoints": list(source.listen),
         "scouting/multicast/enabled": source.multicast,
-        # Otherwise peers tell each other of peers, and we would reach whom nobody named.
+        # With gossip on, peers would connect us to peers that the user did not name.
         "scouting/gossip/enabled": source.multicast,
-        # A service that is started later, or anew, is found within a second.
+        # A service that starts later, or again, is found within a second.
         "connect/retry": {"period_init_ms": 250, "period_max_ms": 1000},
     }
     config = zenoh.Config()
@@ -92,6 +93,6 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
 
 def _cannot_open(source: ZenohSource, error: Exception) -> str:
     named = ", ".join((*source.connect, *source.listen)) or "multicast"
-    # Zenoh's sentence ends with the place in its own source, which helps nobody here.
+    # Zenoh's error ends with a position in Zenoh's source code: cut off.
     reason = str(error).partition(" at /")[0].strip()
     return f"cannot open Zenoh with {named} ({reason}); is the service running with Zenoh on?"

@@ -146,7 +146,7 @@ class Picture:
 
     def _draw(self, now_s: float) -> None:
         receiver = self._receiver
-        lines = self._view.lines(receiver.url, receiver.known, receiver.losses, now_s)
+        lines = self._view.lines(receiver.url, receiver.services, receiver.losses, now_s)
         self._drawn_s = now_s
         if not self._in_place:
             print("\n".join([*lines, ""]), file=self._out, flush=True)

@@ -9,7 +9,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 
-from halo_client import Known, Losses, waiting
+from halo_client import KnownServices, Losses, waiting
 from halo_protocol import (
     VERSION,
     Calibration,
@@ -69,7 +69,7 @@ class View:
         elif isinstance(event, Lost):
             self._streams.pop((event.node, event.surface, event.session), None)
 
-    def lines(self, url: str, known: Known, losses: Losses, now_s: float) -> list[str]:
+    def lines(self, url: str, known: KnownServices, losses: Losses, now_s: float) -> list[str]:
         """The picture, without line ends."""
         head = f"halo monitor · {url} · protocol {VERSION}"
         lost = (
@@ -102,7 +102,7 @@ def latency_ms(frame: TouchFrame, unix_us: int) -> float | None:
     return age_us / 1000 if abs(age_us) < _BELIEVABLE_US else None
 
 
-def _stream_lines(stream: _Stream, known: Known, now_s: float) -> list[str]:
+def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[str]:
     frame = stream.frame
     where = (frame.node, frame.surface)
     rate_hz = sum(at_s > now_s - _WINDOW_S for at_s in stream.arrivals_s) / _WINDOW_S
@@ -127,7 +127,7 @@ def _stream_lines(stream: _Stream, known: Known, now_s: float) -> list[str]:
     return [*lines, f"  touches: {' · '.join(reversed(stream.events)) or '-'}"]
 
 
-def _scene_lines(known: Known) -> list[str]:
+def _scene_lines(known: KnownServices) -> list[str]:
     lines = []
     for (node, surface), scene in known.scenes.items():
         lines += [f"{node}/{surface} · session {scene.session}", *_scene(scene)]

@@ -12,8 +12,8 @@ from typing import Self
 
 import pygame
 
-from halo_client import Known, Placing
-from halo_client.placing import HEIGHT_MM, WIDTH_MM
+from halo_client import KnownServices, PictureTransform
+from halo_client.picture import HEIGHT_MM, WIDTH_MM
 
 SIZE = (1200, 800)
 MARGIN = 0.02
@@ -29,7 +29,7 @@ class StageError(Exception):
 class Placed:
     """Where the surface is in the picture, and how large it is."""
 
-    placing: Placing
+    placing: PictureTransform
     width_mm: float
     height_mm: float
 
@@ -72,16 +72,16 @@ class Stage:
         self.screen = pygame.display.get_surface() or self.screen
         return pressed
 
-    def placed(self, known: Known) -> Placed:
+    def placed(self, known: KnownServices) -> Placed:
         """Where the surface is, by the latest that a service told."""
         scene = next(reversed(known.scenes.values()), None)
         size = (scene.width_mm, scene.height_mm) if scene else (WIDTH_MM, HEIGHT_MM)
         width, height = self.screen.get_size()
         homography = next(reversed(known.homographies.values()), None)
         if self._full_screen and homography is not None:
-            return Placed(Placing.projected(homography, width, height), *size)
+            return Placed(PictureTransform.projected(homography, width, height), *size)
         margin = 0.0 if self._full_screen else MARGIN * height
-        return Placed(Placing.fitted(width, height, *size, margin), *size)
+        return Placed(PictureTransform.fitted(width, height, *size, margin), *size)
 
     def show(self) -> None:
         """Let what was drawn be seen."""

@@ -1,7 +1,7 @@
-"""From millimetres on a surface to pixels of a picture.
+"""Transforms millimetres on a surface to pixels of a picture.
 
-Rule: pure. A picture in a window shows the whole surface; a picture on the projector goes
-through the homography, so that what is drawn appears under the finger.
+Rule: pure. A window shows the whole surface; a projector picture uses the homography, so that
+a drawing appears under the finger.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Self
 from halo_protocol import Homography
 
 WIDTH_MM, HEIGHT_MM = 300.0, 200.0
-"""A surface's size as long as no scene has told it."""
+"""Size of a surface until a scene reports it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Placing:
-    """Where a surface's points are in a picture."""
+class PictureTransform:
+    """A projective transform from a surface to a picture."""
 
     picture_from_surface: tuple[float, ...]
     """9 numbers, row by row: mm -> px, (0, 0) at the outer corner of the first pixel."""
@@ -27,7 +27,7 @@ class Placing:
     def fitted(
         cls, width_px: float, height_px: float, width_mm: float, height_mm: float, margin: float = 0
     ) -> Self:
-        """The whole surface in the middle of a picture, with a margin in px around it."""
+        """Show the whole surface, centred in a picture, with a margin in px."""
         free_px = (width_px - 2 * margin, height_px - 2 * margin)
         scale = min(free_px[0] / width_mm, free_px[1] / height_mm)
         left, top = (width_px - scale * width_mm) / 2, (height_px - scale * height_mm) / 2
@@ -35,7 +35,7 @@ class Placing:
 
     @classmethod
     def projected(cls, homography: Homography, width_px: float, height_px: float) -> Self:
-        """Through a projector that shows a picture of this size over its whole area."""
+        """For a projector that shows a picture of this size over its whole area."""
         matrix = homography.projector_from_surface
         scales = (width_px / homography.width_px, height_px / homography.height_px, 1.0)
         return cls(tuple(scales[n // 3] * value for n, value in enumerate(matrix)))
@@ -47,7 +47,7 @@ class Placing:
         return (a * x_mm + b * y_mm + c) / w, (d * x_mm + e * y_mm + f) / w
 
     def scale(self, x_mm: float, y_mm: float) -> float:
-        """Pixels a millimetre around a point, the mean over the directions."""
+        """Pixels per millimetre near a point, averaged over directions."""
         x, y = self.pixel(x_mm, y_mm)
         right, down = self.pixel(x_mm + 1.0, y_mm), self.pixel(x_mm, y_mm + 1.0)
         area = (right[0] - x) * (down[1] - y) - (right[1] - y) * (down[0] - x)

@@ -1,4 +1,7 @@
-"""From the house's values to the promise's bytes. Pure but for the few events it repeats."""
+"""Encodes the service's frames as protocol messages.
+
+Rule: no I/O and no clock. Its only state is the frame number and the few events it repeats.
+"""
 
 from __future__ import annotations
 
@@ -10,54 +13,54 @@ import halo_protocol as wire
 from halo_service.values import Pointer, TouchEvent, TouchFrame
 
 REPEATS = 2
-"""An event is told in its own frame and in the next two, so that a lost datagram hides none."""
+"""An event is sent in its own frame and in the next two, so one lost datagram hides none."""
 
 
-class Wire:
-    """Numbers the frames of one session and keeps repeating what is new."""
+class FrameEncoder:
+    """Numbers the frames of one session and repeats recent events."""
 
     def __init__(self, node: str, session: str, first_frame: int) -> None:
-        """`first_frame`: from `halo_protocol.counter` when live, 0 in replay."""
+        """`first_frame`: from `halo_protocol.first_frame` when live, 0 in replay."""
         self.node = node
         self.session = session
         self._next_frame = first_frame
         self._past: deque[list[tuple[int, TouchEvent]]] = deque(maxlen=REPEATS)
 
-    def frame(self, told: TouchFrame) -> list[bytes]:
+    def encode(self, touch_frame: TouchFrame) -> list[bytes]:
         """Encode a frame, and the events of the two before it."""
         repeated = [
-            replace(past, ago_ms=past.ago_ms + (told.time_us - since_us) / 1000.0)
+            replace(past, ago_ms=past.ago_ms + (touch_frame.time_us - since_us) / 1000.0)
             for since_us, past in (pair for frame in self._past for pair in frame)
         ]
-        self._past.append([(told.time_us, event) for event in told.events])
-        downs, ups = event_messages([*told.events, *repeated], told)
+        self._past.append([(touch_frame.time_us, event) for event in touch_frame.events])
+        downs, ups = event_messages([*touch_frame.events, *repeated], touch_frame)
         header = wire.Frame(
             self.node,
             self.session,
             self._next_frame,
-            *divmod(told.time_us, 1_000_000),
-            len(told.pointers),
+            *divmod(touch_frame.time_us, 1_000_000),
+            len(touch_frame.pointers),
         )
         self._next_frame = wire.next_frame(self._next_frame)
         return wire.encode_frame(
-            told.surface,
+            touch_frame.surface,
             header,
-            [pointer_message(pointer, told) for pointer in told.pointers],
+            [pointer_message(pointer, touch_frame) for pointer in touch_frame.pointers],
             downs,
             ups,
         )
 
 
-def pointer_message(pointer: Pointer, told: TouchFrame) -> wire.Pointer:
-    """Say a pointer as the wire says it."""
+def pointer_message(pointer: Pointer, touch_frame: TouchFrame) -> wire.Pointer:
+    """Convert a pointer to its wire message."""
     return wire.Pointer(
         id=pointer.id,
         slot=pointer.slot,
         hand=pointer.side,
         finger=pointer.finger,
         state=pointer.state,
-        u=pointer.x_mm / told.width_mm,
-        v=pointer.y_mm / told.height_mm,
+        u=pointer.x_mm / touch_frame.width_mm,
+        v=pointer.y_mm / touch_frame.height_mm,
         x_mm=pointer.x_mm,
         y_mm=pointer.y_mm,
         hover_mm=pointer.hover_mm,
@@ -71,13 +74,13 @@ def pointer_message(pointer: Pointer, told: TouchFrame) -> wire.Pointer:
 
 
 def event_messages(
-    events: Iterable[TouchEvent], told: TouchFrame
+    events: Iterable[TouchEvent], touch_frame: TouchFrame
 ) -> tuple[list[wire.Down], list[wire.Up]]:
-    """Say events as the wire says them."""
+    """Convert events to their wire messages: (downs, ups)."""
     downs: list[wire.Down] = []
     ups: list[wire.Up] = []
     for e in events:
-        u, v = e.x_mm / told.width_mm, e.y_mm / told.height_mm
+        u, v = e.x_mm / touch_frame.width_mm, e.y_mm / touch_frame.height_mm
         if e.kind == "down":
             downs.append(wire.Down(e.id, e.slot, u, v, e.strike_mm_s, e.ago_ms, e.contacts))
         else:

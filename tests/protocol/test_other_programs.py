@@ -38,7 +38,7 @@ DATAGRAMS = [datagram for _, datagram, _ in written()]
 
 
 def types_and_arguments(datagram: bytes) -> Iterator[tuple[str, str, tuple[Any, ...]]]:
-    """What is in a datagram, from our own generic reader, which the codec does not use."""
+    """The messages of a datagram, read by the generic reader, which the codec does not use."""
     for (start, end), (address, arguments) in zip(
         message_spans(datagram), parse_osc(datagram), strict=True
     ):
@@ -48,7 +48,7 @@ def types_and_arguments(datagram: bytes) -> Iterator[tuple[str, str, tuple[Any, 
 
 @pytest.mark.parametrize(("datagram", "time_s"), WRITTEN)
 def test_python_osc_writes_the_same_bytes(datagram: bytes, time_s: float | None) -> None:
-    # It says int and means seconds, with their fraction.
+    # The annotation says int, but it is seconds with a fraction.
     builder = OscBundleBuilder(IMMEDIATELY if time_s is None else time_s)  # type: ignore[arg-type]
     for address, tags, arguments in types_and_arguments(datagram):
         message = OscMessageBuilder(address)
@@ -110,11 +110,11 @@ def test_oscdump_prints_what_was_sent(tmp_path: Path) -> None:
 
 
 def _exchange(output: Path, port: int, count: int) -> list[str]:
-    """Send everything once oscdump listens; return the lines that tell of our messages."""
+    """Send everything once oscdump listens; return the lines with our messages."""
     deadline = time.monotonic() + 10
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        while "/ready" not in output.read_text():  # It does not say when it begins to listen.
-            assert time.monotonic() < deadline, "oscdump hears nothing"
+        while "/ready" not in output.read_text():  # It does not report when it starts to listen.
+            assert time.monotonic() < deadline, "oscdump receives nothing"
             sender.sendto(b"/ready\0\0,\0\0\0", ("127.0.0.1", port))
             time.sleep(0.05)
         for datagram in DATAGRAMS:

@@ -1,4 +1,4 @@
-"""From the house's values to the promise's bytes."""
+"""Encoding of the service's frames."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import halo_protocol as wire
-from halo_service.outputs.wire import Wire
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch, TouchEvent, TouchFrame
 
 FRAME_US = 33_333
@@ -32,7 +32,7 @@ POINTER = Pointer(
 DOWN = TouchEvent("down", 7, 0, 150.0, 50.0, 300.0, 12.0, 3)
 
 
-def told(n: int, pointers: tuple[Pointer, ...] = (), *events: TouchEvent) -> TouchFrame:
+def touch_frame(n: int, pointers: tuple[Pointer, ...] = (), *events: TouchEvent) -> TouchFrame:
     return TouchFrame(1_700_000_000_000_000 + n * FRAME_US, "table", 300.0, 200.0, pointers, events)
 
 
@@ -40,8 +40,8 @@ def messages(datagrams: list[bytes]) -> list[wire.Message]:
     return [message for datagram in datagrams for _, message in wire.decode(datagram)]
 
 
-def test_a_frame_says_what_the_house_knows() -> None:
-    header, *rest = messages(Wire("desk", "s1", 41).frame(told(0, (POINTER,))))
+def test_a_frame_has_the_values_of_the_service() -> None:
+    header, *rest = messages(FrameEncoder("desk", "s1", 41).encode(touch_frame(0, (POINTER,))))
     assert header == wire.Frame("desk", "s1", 41, 1_700_000_000, 0, 1)
     pointer, alive = rest
     assert isinstance(pointer, wire.Pointer)
@@ -51,11 +51,11 @@ def test_a_frame_says_what_the_house_knows() -> None:
     assert alive == wire.Alive((7,))
 
 
-def test_an_event_is_told_three_times_with_its_age() -> None:
-    frames = Wire("desk", "s1", 0)
+def test_an_event_is_sent_three_times_with_its_age() -> None:
+    frames = FrameEncoder("desk", "s1", 0)
     seen = []
     for n in range(5):
-        datagrams = frames.frame(told(n, (POINTER,), *([DOWN] if n == 1 else [])))
+        datagrams = frames.encode(touch_frame(n, (POINTER,), *([DOWN] if n == 1 else [])))
         seen.append([m for m in messages(datagrams) if isinstance(m, wire.Down)])
     assert [len(downs) for downs in seen] == [0, 1, 1, 1, 0]
     ages = [downs[0].ago_ms for downs in seen[1:4]]
@@ -65,11 +65,11 @@ def test_an_event_is_told_three_times_with_its_age() -> None:
 
 def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -> None:
     for lost in ({1, 2}, {1, 3}, {2, 3}, set()):
-        frames, client = Wire("desk", "s1", 0), wire.Assembler()
+        frames, client = FrameEncoder("desk", "s1", 0), wire.Assembler()
         hits = 0
         for n in range(6):
             pointer = replace(POINTER, contacts=3 if n else 2)
-            for datagram in frames.frame(told(n, (pointer,), *([DOWN] if n == 1 else []))):
+            for datagram in frames.encode(touch_frame(n, (pointer,), *([DOWN] if n == 1 else []))):
                 if n not in lost:
                     events = client.receive_data(datagram, n / 30)
                     hits += sum(len(e.downs) for e in events if isinstance(e, wire.TouchFrame))
@@ -77,6 +77,6 @@ def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -
 
 
 def test_frames_count_up() -> None:
-    frames = Wire("desk", "s1", 2**31 - 1)
-    numbers = [messages(frames.frame(told(n)))[0] for n in range(2)]
+    frames = FrameEncoder("desk", "s1", 2**31 - 1)
+    numbers = [messages(frames.encode(touch_frame(n)))[0] for n in range(2)]
     assert [header.frame for header in numbers if isinstance(header, wire.Frame)] == [2**31 - 1, 0]

@@ -1,8 +1,8 @@
-"""Each touch counted once: repeated events told once, lost ones made up for.
+"""Counts each touch once: repeated events are reported once, lost ones are inferred.
 
-Rule: pure bookkeeping over whole frames. A down or up is sent three times, with the number of
-its touch; a pointer carries how many touches it has begun. So a client that lost all three
-copies still learns of the hit: it is made up from the pointer, with `UNKNOWN_STRIKE`.
+Rule: pure bookkeeping over frames. A down or up is sent three times, with the number of its
+touch; a pointer carries the count of touches it has begun. So a client that lost all three
+copies still sees the hit: it is inferred from the pointer, with `UNKNOWN_STRIKE`.
 """
 
 from __future__ import annotations
@@ -13,26 +13,26 @@ from halo_protocol.events import in_order
 from halo_protocol.messages import Down, Pointer, Up
 
 UNKNOWN_STRIKE = -1.0
-"""`strike_mm_s` of a down that was made up."""
+"""`strike_mm_s` of an inferred down."""
 MAX_REMEMBERED = 256
-"""Fingers that left, whose last events may still be repeated; two frames' worth would do."""
+"""Fingers that left and may still have repeated events; those of two frames would suffice."""
 
 
 @dataclass(slots=True)
 class _Touches:
-    """What was told of one pointer."""
+    """What was reported of one pointer."""
 
     slot: int
     u: float
     v: float
     begun: int = 0
-    """Number of the last touch whose down was told."""
+    """Number of the last touch with a reported down."""
     ended: int = 0
-    """Number of the last touch whose up was told."""
+    """Number of the last touch with a reported up."""
 
 
-class Tally:
-    """The touches of one session, as told to one client."""
+class TouchCounter:
+    """The touches of one session, as reported to one client."""
 
     def __init__(self) -> None:
         self._touches: dict[int, _Touches] = {}
@@ -47,11 +47,11 @@ class Tally:
         joining: bool = False,
         whole: bool = True,
     ) -> tuple[tuple[Down, ...], tuple[Up, ...]]:
-        """What is new in a frame: the downs and ups to tell.
+        """The new downs and ups of a frame.
 
-        `joining` until a client has seen a whole frame of the session: touches that began
-        before are not hits now. Where a frame is not `whole` nothing is made up, for the lost
-        part may have told it, and the next frame repeats it.
+        `joining`: true until the client has seen a whole frame of the session; touches that
+        began before are not hits. If a frame is not `whole`, nothing is inferred: the lost
+        part may contain the event, and the next frame repeats it.
         """
         for event in sorted(events, key=in_order):
             self._event(event, joining)
@@ -61,17 +61,17 @@ class Tally:
                 touches.begun = pointer.contacts
                 touches.ended = pointer.contacts - pointer.touching
             if whole:
-                self._make_up(pointer, touches)
+                self._infer(pointer, touches)
         living = {pointer.id for pointer in pointers}
         if whole:
             self._end_all_but(living)
         self._forget_all_but(living)
-        return self._taken()
+        return self._drain()
 
     def close(self) -> tuple[Up, ...]:
-        """End all touches that are open, for a service that has gone silent."""
+        """End all open touches, for a service that is lost."""
         self._end_all_but(set())
-        return self._taken()[1]
+        return self._drain()[1]
 
     def _event(self, event: Down | Up, joining: bool) -> None:
         touches = self._of(event)
@@ -80,16 +80,16 @@ class Tally:
             if number <= touches.ended:
                 return
             if number > touches.begun and joining:
-                touches.begun = touches.ended = number  # It began before we came.
+                touches.begun = touches.ended = number  # It began before we joined.
                 return
-            self._begin(touches, _made_down(event))
+            self._begin(touches, _inferred_down(event))
             touches.ended = number
             self._ups.append(event)
         else:
             self._begin(touches, event)
 
-    def _make_up(self, pointer: Pointer, touches: _Touches) -> None:
-        self._begin(touches, _made_down(pointer))
+    def _infer(self, pointer: Pointer, touches: _Touches) -> None:
+        self._begin(touches, _inferred_down(pointer))
         if not pointer.touching:
             self._end(pointer.id, touches)
 
@@ -97,7 +97,7 @@ class Tally:
         if down.contacts > touches.begun:
             self._end(down.id, touches)
             touches.begun = down.contacts
-            # Touches in between that were never heard of are over; the number tells of them.
+            # Touches in between were lost and are over: the number shows it.
             touches.ended = down.contacts - 1
             self._downs.append(down)
 
@@ -107,7 +107,7 @@ class Tally:
             touches.ended = touches.begun
 
     def _of(self, seen: Pointer | Down | Up) -> _Touches:
-        """The touches of a pointer, with the place where it was last seen."""
+        """The touches of a pointer, with its last place."""
         touches = self._touches.get(seen.id)
         if touches is None:
             touches = self._touches[seen.id] = _Touches(seen.slot, seen.u, seen.v)
@@ -124,12 +124,12 @@ class Tally:
         for key in gone[: max(0, len(gone) - MAX_REMEMBERED)]:
             del self._touches[key]
 
-    def _taken(self) -> tuple[tuple[Down, ...], tuple[Up, ...]]:
+    def _drain(self) -> tuple[tuple[Down, ...], tuple[Up, ...]]:
         downs, ups = tuple(self._downs), tuple(self._ups)
         self._downs.clear()
         self._ups.clear()
         return downs, ups
 
 
-def _made_down(seen: Pointer | Up) -> Down:
+def _inferred_down(seen: Pointer | Up) -> Down:
     return Down(seen.id, seen.slot, seen.u, seen.v, UNKNOWN_STRIKE, 0.0, seen.contacts)

@@ -70,7 +70,9 @@ def draw() -> Callable[..., Frame]:
         depth = np.full((576, 640), DISTANCE_MM, np.uint16)
         if signal > 0.0:
             x, y = round(tip[0]), round(tip[1])
-            depth[y - 8 : y, x - 15 : x + 15] = round(DISTANCE_MM + signal / PER_DENT_MM)
+            depth[max(y - 8, 0) : max(y, 0), max(x - 15, 0) : max(x + 15, 0)] = round(
+                DISTANCE_MM + signal / PER_DENT_MM
+            )
         top = round(DISTANCE_MM - 14.0 - height_mm)
         start = (round(tip[0]), round(tip[1]) + 8)
         cv2.line(depth, start, (start[0], start[1] + 80), top, thickness=16)

@@ -18,6 +18,7 @@ from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import TEXT, amend, load, require_fit
+from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.latest import Latest
 from halo_service.sensing import State, adopt
 from halo_service.values import Frame, Tracked
@@ -75,12 +76,14 @@ class ProfileReloader:
         self._thread.join()
 
     def _run(self) -> None:
+        errors = ErrorLog()
         while not self._ended.is_set():
             frames = self._ready.take(LOOK_S)
             try:
-                if frames is not None:
-                    self._keep(frames)
-                self._reread()
+                with errors.guard("profile"):
+                    if frames is not None:
+                        self._keep(frames)
+                    self._reread()
             except UserError as error:
                 log.warning("%s; the profile that was there is kept", error)
 

@@ -10,6 +10,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.profile import Profile, Projector
+from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health
 from halo_service.sensing import DEFAULT_SURFACE, State
 from halo_service.values import SourceKind, TouchFrame
@@ -43,6 +44,7 @@ class Publisher:
         self._kind = kind
         self._camera = camera
         self._surface = surface
+        self._errors = ErrorLog()
 
     def frame(self, told: TouchFrame) -> None:
         """Send one frame."""
@@ -113,7 +115,8 @@ class Publisher:
 
     def _send(self, kind: str, datagrams: list[bytes]) -> None:
         for carrier in self._carriers:
-            carrier.send(kind, datagrams)
+            with self._errors.guard(f"output {type(carrier).__name__}"):  # the others still send
+                carrier.send(kind, datagrams)
 
 
 def _numbers(matrix: NDArray[np.float64]) -> tuple[float, ...]:

@@ -25,6 +25,11 @@ class Latest(Generic[T]):
             self._value, self._fresh = value, True
             self._changed.notify()
 
+    def clear(self) -> None:
+        """Forget the newest value."""
+        with self._changed:
+            self._value, self._fresh = None, False
+
     def take(self, timeout_s: float) -> T | None:
         """Wait for a value that was not taken before; None when none comes in time."""
         with self._changed:

@@ -1,6 +1,8 @@
 """The live loop: a capture comes in, its packet leaves, nothing in between waits.
 
-It owns the service's clock. Whatever a camera does, clients hear at least once a second.
+It owns the service's clock. Whatever a camera does, clients hear at least once a second. An
+unexpected error costs the frame in which it happens: it is logged and counted, all pointers are
+released, and the next frame is sensed.
 """
 
 from __future__ import annotations
@@ -13,9 +15,11 @@ from typing import Protocol
 
 from halo_service.errors import UserError
 from halo_service.runtime.checks import judge
+from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health, Pulse
+from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
-from halo_service.sensing import State, clear, step
+from halo_service.sensing import State
 from halo_service.sources import EndOfSource, Source, SourceLost
 from halo_service.values import BadFrame, Frame, TouchFrame
 
@@ -75,10 +79,11 @@ class LiveLoop:
         publisher: Publisher,
         obey: Obey = _hear_nothing,
         watch: Callable[[Frame], None] = _watch_nothing,
+        method: Method[State] = OURS,
     ) -> None:
         """`reopen` opens the same source again after it was lost; `tracker`: None where nobody
         needs hands; `obey` takes clients' orders; `watch` is shown each good frame after its
-        packet has left."""
+        packet has left; `method` senses each frame."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
@@ -86,6 +91,8 @@ class LiveLoop:
         self._publisher = publisher
         self._obey = obey
         self._watch = watch
+        self._method = method
+        self._errors = ErrorLog()
         self._stopped = threading.Event()
         self._pulse = Pulse()
         self._last_us: int | None = None
@@ -101,16 +108,19 @@ class LiveLoop:
         """Sense and publish until stopped. Raises `UserError` when it cannot go on."""
         try:
             while not self._stopped.is_set():
-                self._beat()
+                with self._errors.guard("status"):
+                    self._beat()
                 if self._tracker is not None and self._tracker.failure is not None:
                     raise self._tracker.failure
-                self._state = self._obey(self._state, self._source)
+                with self._errors.guard("control"):
+                    self._state = self._obey(self._state, self._source)
                 self._turn()
         except EndOfSource:
             self._pulse.camera = "ended"
         finally:
-            self._let_go(self._silent_us())
-            self._publisher.health(self._vitals())
+            self._release(self._silent_us())
+            with self._errors.guard("status"):
+                self._publisher.health(self._vitals())
             if self._source is not None:
                 self._source.close()
 
@@ -120,7 +130,7 @@ class LiveLoop:
             self._reconnect()
             return
         try:
-            capture = self._source.read(READ_S)
+            capture = self._read(self._source)
             if capture is None and time.monotonic() - self._heard_s > SILENCE_S:
                 raise SourceLost(f"camera: nothing came for {SILENCE_S:.0f} s; opening it anew")
         except SourceLost as error:
@@ -130,7 +140,7 @@ class LiveLoop:
         if capture is not None:
             self._take(capture, self._source.camera.fps)
         elif time.monotonic() - self._sent_s > KEEP_ALIVE_S:
-            self._let_go(self._silent_us())
+            self._release(self._silent_us())
 
     def _take(self, capture: Frame | BadFrame, fps: float) -> None:
         received_s = self._heard_s = time.monotonic()
@@ -138,29 +148,59 @@ class LiveLoop:
         self._last_us = capture.time_us
         self._pulse.camera = "running"
         self._pulse.drops += judged.missed
-        self._complain(judged.fault)
         if isinstance(capture, BadFrame) or judged.fault is not None:
-            self._pulse.bad_frames += 1
-            self._let_go(capture.time_us)
+            self._skip(judged.fault or "bad", capture.time_us)
             return
         tracked = None if self._tracker is None else self._tracker.newest
-        told, self._state = step(self._state, capture, tracked)
-        self._publish(told)
+        try:
+            touch_frame, self._state = self._method.step(self._state, capture, tracked)
+            self._publish(touch_frame)
+        except Exception as error:
+            self._skip(self._errors.report("sensing", error), capture.time_us)
+        else:
+            self._good_again()
+            age_us = capture.time_us - tracked.time_us if tracked else None
+            self._pulse.sent(received_s, self._sent_s, age_us)
         if self._tracker is not None:
-            self._tracker.offer(capture)  # it wants a core too, and by now nobody waits
-        age_us = capture.time_us - tracked.time_us if tracked else None
-        self._pulse.sent(received_s, self._sent_s, age_us)
-        self._watch(capture)
+            self._tracker.offer(capture)  # it needs a core too; by now no packet waits for one
+        with self._errors.guard("profile"):
+            self._watch(capture)
 
-    def _let_go(self, time_us: int) -> None:
-        """Send an empty frame, so that nothing sticks on the other side."""
-        told, self._state = clear(self._state, time_us)
-        self._publish(told)
+    def _read(self, source: Source) -> Frame | BadFrame | None:
+        """Read the next capture. An unexpected error counts as a bad frame and as silence."""
+        try:
+            return source.read(READ_S)
+        except (EndOfSource, UserError):
+            raise
+        except Exception as error:
+            self._skip(self._errors.report("source", error), self._silent_us())
+            return None
+
+    def _skip(self, fault: str, time_us: int) -> None:
+        """Count a frame that could not be sensed, and release all pointers."""
+        self._pulse.bad_frames += 1
+        if self._bad_in_a_row == 0:  # not each bad one: a broken camera must not fill a disk
+            log.warning("frame: %s; all pointers are released", fault)
+        self._bad_in_a_row += 1
+        self._release(time_us)
+
+    def _good_again(self) -> None:
+        if self._bad_in_a_row:
+            log.warning("frame: good again after %d that could not be sensed", self._bad_in_a_row)
+            self._bad_in_a_row = 0
+
+    def _release(self, time_us: int) -> None:
+        """Send an empty frame, so that no pointer stays behind at a client."""
+        with self._errors.guard("release"):
+            touch_frame, self._state = self._method.clear(self._state, time_us)
+            self._publish(touch_frame)
 
     def _publish(self, told: TouchFrame) -> None:
         self._stopped.wait(self._sent_s + FRAME_S - time.monotonic())
-        self._publisher.frame(told)
-        self._sent_s = time.monotonic()
+        try:
+            self._publisher.frame(told)
+        finally:  # an output that always fails must not let the loop spin
+            self._sent_s = time.monotonic()
 
     def _silent_us(self) -> int:
         """Return the source's time while it says nothing: its last, and most of what has passed."""
@@ -168,16 +208,6 @@ class LiveLoop:
             return time.time_ns() // 1000
         passed_us = round((time.monotonic() - self._heard_s) * 1e6)
         return self._last_us + max(passed_us - BEHIND_US, 0)
-
-    def _complain(self, fault: str | None) -> None:
-        """Say when captures turn bad and when they are good again, not each bad one."""
-        if fault is not None:
-            if self._bad_in_a_row == 0:
-                log.warning("frame: %s; all pointers were let go", fault)
-            self._bad_in_a_row += 1
-        elif self._bad_in_a_row:
-            log.warning("frame: good again after %d that could not be sensed", self._bad_in_a_row)
-            self._bad_in_a_row = 0
 
     def _beat(self) -> None:
         now_s = time.monotonic()
@@ -197,19 +227,24 @@ class LiveLoop:
     def _lose(self, source: Source) -> None:
         self._pulse.camera = "lost"
         self._source = None
-        source.close()
-        self._let_go(self._silent_us())
-        self._publisher.health(self._vitals())
+        with self._errors.guard("source"):
+            source.close()
+        self._release(self._silent_us())
+        with self._errors.guard("status"):
+            self._publisher.health(self._vitals())
 
     def _reconnect(self) -> None:
-        self._let_go(self._silent_us())
+        self._release(self._silent_us())
         self._stopped.wait(RECONNECT_S)
         try:
             self._source = self._reopen()
         except UserError as error:
             log.debug("camera: not back yet: %s", error)
             return
+        except Exception as error:
+            self._errors.report("source", error)
+            return
         self._last_us = None
         self._heard_s = time.monotonic()
-        self._let_go(time.time_ns() // 1000)
+        self._release(time.time_ns() // 1000)
         log.warning("camera: found again")

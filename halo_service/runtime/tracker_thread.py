@@ -6,7 +6,6 @@ hands it saw last and carries them forward.
 
 from __future__ import annotations
 
-import logging
 import os
 import threading
 from collections.abc import Callable
@@ -14,10 +13,9 @@ from contextlib import suppress
 from typing import Literal, Protocol
 
 from halo_service.errors import UserError
+from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.latest import Latest
 from halo_service.values import Frame, Tracked
-
-log = logging.getLogger(__name__)
 
 WAKE_S = 0.2
 """How often the thread looks whether it shall end."""
@@ -68,20 +66,24 @@ class TrackerThread:
 
     def _run(self) -> None:
         _stand_back()
+        errors = ErrorLog()
+        worked = False
         while not self._ended.is_set():
             try:
                 tracker = self._make()
+                worked = True
                 try:
                     self._look_on(tracker)
                 finally:
                     tracker.close()
-            except UserError as error:
-                self.state, self.failure = "failed", error
-                return
-            except Exception:
-                # Whatever a model of others throws must not end an installation's evening.
+            except Exception as error:
                 self.state = "failed"
-                log.exception("tracker: failed; starting it anew")
+                if isinstance(error, UserError) and not worked:
+                    self.failure = error
+                    return
+                # Once it worked, no error of the model ends the service: load it again.
+                errors.report("hand tracker", error)
+                self._tracked.clear()
                 self._ended.wait(AGAIN_S)
 
     def _look_on(self, tracker: Tracker) -> None:

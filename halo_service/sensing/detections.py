@@ -24,6 +24,8 @@ SAME_PALM_PX = 30.0
 """Two palms nearer to each other than this are one hand, seen twice (chosen: half a palm)."""
 LEAST_SPREAD_PX = 25.0
 """Landmarks that lie closer together are no hand (chosen: a fist at 0.8 m spans twice that)."""
+FARTHEST_PX = 1e5
+"""A landmark farther from the image's origin is no place (chosen: more than any image is wide)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +56,21 @@ def detections(tracked: Tracked | None, wanted: Fingers = "index") -> tuple[Dete
 
 
 def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
-    """Leave out what is no hand, and a hand's second sighting; the surest first."""
+    """Leave out what is no hand, and a hand's second detection; the most confident hand first."""
     kept: list[Hand] = []
     for hand in sorted(hands, key=lambda hand: -hand.confidence):
-        if float(np.ptp(hand.landmarks_px, axis=0).max()) < LEAST_SPREAD_PX:
+        if not _is_hand(hand):
             continue
         if all(math.dist(_palm(hand), _palm(other)) >= SAME_PALM_PX for other in kept):
             kept.append(hand)
     return tuple(kept)
+
+
+def _is_hand(hand: Hand) -> bool:
+    """Say whether landmarks are places (never nan) and span a hand."""
+    marks = hand.landmarks_px
+    near = bool((np.abs(marks) < FARTHEST_PX).all())  # false for nan
+    return near and float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_PX
 
 
 def _detection(time_us: int, hand: Hand, finger: Finger) -> Detection:

@@ -96,6 +96,8 @@ def _tip(
     finger: Track, place: Prediction, own: Segmentation, scene: Scene, states: TouchStates
 ) -> Fingertip | None:
     """Return the fingertip about a place, or None where no finger is."""
+    if own.hand.size == 0:  # the place is so far outside the image that no pixel is near it
+        return None
     tip = locate(
         detection_at(finger, place),
         own,

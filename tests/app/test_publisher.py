@@ -12,6 +12,7 @@ from halo_service.app.publisher import Publisher
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.profile import Anchor, Profile, Projector
 from halo_service.sensing import SensingSettings, start
+from halo_service.values import TouchFrame
 
 MATRIX = np.array([[4.0, 0.4, 20.0], [0.1, 3.6, 30.0], [0.0002, 0.0006, 1.0]])
 
@@ -23,11 +24,21 @@ class Heard:
         self.messages: dict[str, wire.Message] = {}
 
     def send(self, kind: str, datagrams: list[bytes]) -> None:
-        ((_, message),) = wire.decode(datagrams[0])
+        *_, (_, message) = wire.decode(datagrams[0])
         self.messages[kind] = message
 
     def close(self) -> None:
         """Nothing to let go."""
+
+
+class Broken:
+    """A carrier that fails at each message."""
+
+    def send(self, kind: str, datagrams: list[bytes]) -> None:
+        raise RuntimeError("no route")
+
+    def close(self) -> None:
+        """Nothing to close."""
 
 
 def told(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
@@ -66,3 +77,16 @@ def test_projector_and_anchor_go_out_with_the_scenes_revision(profile: Profile, 
     assert pose.camera_from_surface == pytest.approx(
         tuple(profile.surface.camera_from_surface[:3].ravel())
     )
+
+
+def test_a_carrier_that_fails_does_not_stop_the_others(camera, caplog) -> None:
+    heard = Heard()
+    carriers = [Broken(), heard, Broken()]
+    publisher = Publisher(Wire("desk", "s1", 0), carriers, "virtual", camera, "table")
+    for _ in range(3):
+        publisher.frame(TouchFrame(0, "table", 300.0, 200.0))
+        publisher.scene(start(None, SensingSettings()))
+    assert set(heard.messages) == {"frame", "scene"}
+    assert [each.getMessage() for each in caplog.records if each.exc_info] == [
+        "output Broken failed: RuntimeError: no route; this kind of error is logged once"
+    ]

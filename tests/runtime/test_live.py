@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,9 +15,10 @@ from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile import Profile
 from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop
+from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import SensingSettings, State, start, step
-from halo_service.sources import EndOfSource, SourceLost
+from halo_service.sources import EndOfSource, Source, SourceLost
 from halo_service.values import BadFrame, Frame, SourceKind, Touch, TouchFrame, Tracked
 
 FRAME_US = 33_333
@@ -91,15 +93,19 @@ def run(
     reopen: Callable[[], Scripted] | None = None,
     make: Callable[[], Blind] | None = Blind,
     state: State | None = None,
+    method: Method[State] = OURS,
+    listener: Listener | None = None,
+    obey: Callable[[State, Source | None], State] = lambda state, source: state,
+    watch: Callable[[Frame], None] = lambda frame: None,
 ) -> tuple[Listener, Scripted]:
-    listener, source = Listener(), Scripted(script)
+    listener, source = listener or Listener(), Scripted(script)
     tracker = TrackerThread(make) if make else None
     state = state or start(None, SensingSettings())
 
     def never() -> Scripted:
         raise UserError("no camera")
 
-    loop = LiveLoop(source, reopen or never, tracker, state, listener)
+    loop = LiveLoop(source, reopen or never, tracker, state, listener, obey, watch, method)
     guard = threading.Timer(30.0, loop.stop)  # a loop that never ends must fail, not hang
     guard.start()
     try:
@@ -267,3 +273,151 @@ def test_another_camera_in_its_place_or_none_is_waited_for_without_a_gap() -> No
 def test_without_a_tracker_health_says_so() -> None:
     listener, _ = run([frame(n) for n in range(5)], make=None)
     assert listener.vitals[-1].tracker == "off"
+
+
+def failing(*frames: int) -> Method[State]:
+    """Our method with an error in it, at these frames' times."""
+
+    def broken(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFrame, State]:
+        if frame.time_us in [n * FRAME_US for n in frames]:
+            raise IndexError("index 640 is out of bounds")
+        return step(state, frame, tracked)
+
+    return replace(OURS, step=broken)
+
+
+def tracebacks(caplog: pytest.LogCaptureFixture) -> list[str]:
+    return [each.getMessage() for each in caplog.records if each.exc_info]
+
+
+@pytest.mark.parametrize(
+    ("at", "good"),
+    [((2,), [0, 1, 3, 4, 5]), ((0, 1, 4), [2, 3, 5]), (tuple(range(6)), [])],
+    ids=["one frame", "some frames", "every frame"],
+)
+def test_an_error_in_a_frame_costs_that_frame_alone(
+    at: tuple[int, ...], good: list[int], caplog: pytest.LogCaptureFixture
+) -> None:
+    listener, source = run([frame(n) for n in range(6)], method=failing(*at))
+    assert [each.time_us for each in listener.frames[:-1]] == [n * FRAME_US for n in range(6)]
+    assert listener.vitals[-1].bad_frames == len(at)
+    assert source.closed
+    assert tracebacks(caplog) == [
+        "sensing failed: IndexError: index 640 is out of bounds; this kind of error is logged once"
+    ]
+    assert sum("good again" in each.getMessage() for each in caplog.records) == (
+        {(2,): 1, (0, 1, 4): 2}.get(at, 0)
+    )
+
+
+def test_an_error_in_a_frame_releases_a_touch_and_the_next_frame_is_sensed(
+    profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]
+) -> None:
+    class Seeing(Blind):
+        def look(self, frame: Frame) -> Tracked:
+            return see(time_us=frame.time_us)
+
+    rests = [draw(signal=2200.0, time_us=n * FRAME_US) for n in (6, 7, 8, 9)]
+    script: list[Frame | None] = [rests[0], rests[1], None, rests[2], rests[3]]
+    listener, _ = run(script, make=Seeing, state=touching(profile, draw, see), method=failing(7))
+    shown = {each.time_us // FRAME_US: each for each in reversed(listener.frames)}
+    assert [pointer.state for pointer in shown[6].pointers] == [Touch.TOUCH]
+    assert shown[7].pointers == ()
+    assert [event.kind for event in shown[7].events] == ["up"]
+    assert [pointer.state for pointer in shown[9].pointers] == [Touch.HOVER]
+    assert shown[9].pointers[0].id > shown[6].pointers[0].id
+
+
+def test_frames_of_one_source_that_all_fail_do_not_harm_the_next_source() -> None:
+    script = [*(frame(n) for n in range(3)), SourceLost("camera: it went away")]
+    second = Scripted([frame(n) for n in range(10, 13)])
+    listener, _ = run(script, lambda: second, method=failing(0, 1, 2))
+    assert listener.vitals[-1].bad_frames == 3
+    assert listener.vitals[-1].camera == "ended"
+    assert second.closed
+
+
+def test_a_source_with_an_unexpected_error_goes_on(caplog: pytest.LogCaptureFixture) -> None:
+    script = [frame(0), ValueError("a broken packet"), ValueError("a broken packet"), frame(1)]
+    listener, _ = run(script)
+    assert listener.vitals[-1].bad_frames == 2
+    assert FRAME_US in [each.time_us for each in listener.frames]
+    assert len(tracebacks(caplog)) == 1
+
+
+def test_a_source_that_only_fails_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("halo_service.runtime.live.SILENCE_S", 0.2)
+    second = Scripted([frame(0)])
+    listener, first = run([ValueError("dead")] * 200, lambda: second)
+    assert first.closed
+    assert first.script
+    assert second.closed
+    assert listener.vitals[-1].camera == "ended"
+
+
+@pytest.mark.parametrize("part", ["frame", "scene", "health", "control", "profile"])
+def test_an_error_around_the_sensing_does_not_end_the_service(
+    part: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_: object) -> State:
+        raise RuntimeError(part)
+
+    broken = Listener()
+    if part in ("frame", "scene", "health"):
+        setattr(broken, part, fail)
+    script = [frame(n) for n in range(4)]
+    listener, source = run(
+        script,
+        listener=broken,
+        obey=fail if part == "control" else lambda state, source: state,
+        watch=fail if part == "profile" else lambda frame: None,
+    )
+    assert source.closed
+    assert not source.script
+    assert len(listener.frames) == (0 if part == "frame" else 5)
+    assert 1 <= len(tracebacks(caplog)) <= 2  # a frame that is not sent: in sensing and in release
+
+
+def test_an_unexpected_error_of_a_tracker_is_logged_once_and_its_hands_are_forgotten(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("halo_service.runtime.tracker_thread.AGAIN_S", 0.05)
+
+    class Worse(Blind):
+        looks = 0
+
+        def look(self, frame: Frame) -> Tracked:
+            Worse.looks += 1
+            if Worse.looks > 1:
+                raise RuntimeError("the model is broken")
+            return super().look(frame)
+
+    script: list[Frame | None] = []
+    for n in range(7):
+        script += [frame(n), None]
+    listener, _ = run(script, make=Worse)
+    assert len(tracebacks(caplog)) == 1
+    assert Worse.looks >= 3
+    assert listener.vitals[-1].bad_frames == 0
+    assert listener.vitals[-1].tracker_ms == -1.0
+
+
+def test_a_model_that_goes_missing_later_does_not_end_the_service(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("halo_service.runtime.tracker_thread.AGAIN_S", 0.05)
+    made: list[Blind] = []
+
+    class Once(Blind):
+        def look(self, frame: Frame) -> Tracked:
+            raise RuntimeError("the model is broken")
+
+    def make() -> Blind:
+        if made:
+            raise UserError("the hand model cannot be fetched")
+        made.append(Once())
+        return made[0]
+
+    listener, source = run([frame(0), None, frame(1), None, frame(2)], make=make)
+    assert not source.script
+    assert FRAME_US * 2 in [each.time_us for each in listener.frames]

@@ -82,7 +82,7 @@ def test_projector_and_anchor_go_out_with_the_scenes_revision(profile: Profile, 
 def test_a_carrier_that_fails_does_not_stop_the_others(camera, caplog) -> None:
     heard = Heard()
     carriers = [Broken(), heard, Broken()]
-    publisher = Publisher(Wire("desk", "s1", 0), carriers, "virtual", camera, "table")
+    publisher = Publisher(FrameEncoder("desk", "s1", 0), carriers, "virtual", camera, "table")
     for _ in range(3):
         publisher.frame(TouchFrame(0, "table", 300.0, 200.0))
         publisher.scene(start(None, SensingSettings()))

@@ -25,7 +25,7 @@ from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
 from halo_service.values import Finger, Frame
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.scenarios import play
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest, parse_sim_url
 
@@ -99,7 +99,7 @@ def pictures(warp: ColourWarp) -> dict[str, Look]:
 
 def film(asked: SimRequest, sensor: Sensor, count: int) -> Iterator[tuple[Frame, list[Pixel]]]:
     """Yield frames and where the pads of their index fingers truly are, px."""
-    acting, lens = play(asked.scenario, asked.room), sensor.camera.depth
+    acting, lens = start_scenario(asked.scenario, asked.room), sensor.camera.depth
     first = round(OPENING_S * FPS)
     for index in range(first + count):
         stage = acting.at(index / FPS)

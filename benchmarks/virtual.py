@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.virtual.scenarios import play
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.worker import LIVE_COLOUR_TIMES
@@ -38,7 +38,10 @@ CASES = (
 def cost_ms(scenario: str, colour_times: int, from_s: float, frames: int) -> NDArray[np.float64]:
     """CPU time of each frame, ms."""
     asked = parse_sim_url(f"sim:{scenario}?drop=0")
-    acting, sensor = play(asked.scenario, asked.room), Sensor(asked.room, colour_times=colour_times)
+    acting, sensor = (
+        start_scenario(asked.scenario, asked.room),
+        Sensor(asked.room, colour_times=colour_times),
+    )
     costs = []
     for k in range(frames + 5):
         t_s = from_s + k / 30.0
@@ -58,7 +61,7 @@ def resident_mb() -> float:
 def memory(frames: int) -> tuple[float, float]:
     """MB after a tenth of the frames and after all of them."""
     asked = parse_sim_url("sim:drumming?drop=0")
-    acting, sensor = play(asked.scenario, asked.room), Sensor(asked.room, colour_times=0)
+    acting, sensor = start_scenario(asked.scenario, asked.room), Sensor(asked.room, colour_times=0)
     early = 0.0
     for k in range(frames):
         stage = acting.at(k / 30.0)

@@ -60,10 +60,12 @@ class ControlHandler:
 def _play_finger(told: ControlMessage, state: State, source: Source | None) -> State:
     """Hand a finger's place to the virtual Kinect that is played by messages."""
     from halo_service.virtual.live import VirtualKinect
-    from halo_service.virtual.scenarios.puppet import pull
+    from halo_service.virtual.scenarios.controlled import parse_command
 
     if not isinstance(source, VirtualKinect):
         raise UserError("there is no virtual Kinect to play; start with --source sim:hand")
-    pull(told.arguments)  # a message that holds something else is refused here, with its reason
+    parse_command(
+        told.arguments
+    )  # a message that holds something else is refused here, with its reason
     source.tell(told.arguments)
     return state

@@ -21,13 +21,13 @@ from halo_service.values import Frame, SourceKind
 from halo_service.virtual.bodies import wedge
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.hand import pointing
-from halo_service.virtual.motion import Performer, Segment
+from halo_service.virtual.motion import Segment, Timeline
 from halo_service.virtual.props import Flat, printed
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
 from halo_service.virtual.scenarios.common import away
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
-from halo_service.virtual.track import SWAY_MM, Track
+from halo_service.virtual.timeline import SWAY_MM, TimelineReader
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0
@@ -79,8 +79,8 @@ class VirtualUser:
         self._sensor = Sensor(room, colour_times=colour_times)
         self.camera = self._sensor.camera
         rng = np.random.default_rng([room.seed, 5])
-        self._performer = Performer(rng, away(room, room.dominant), room.dominant)
-        self._track = Track(self._live(), rng)
+        self._performer = Timeline(rng, away(room, room.dominant), room.dominant)
+        self._track = TimelineReader(self._live(), rng)
         self._cue: Cue | None = None
         self._index = 0
 

@@ -1,6 +1,6 @@
-"""What a hand is made of: bones, their lengths and their flesh.
+"""The shape of a hand: bones, their lengths and their flesh.
 
-Rule: a table and what is derived from it. The hand lies flat, palm down, in a frame like the
+Rule: a table, and what follows from it. The hand lies flat, palm down, in a frame like the
 surface's: x right, y towards the user, z down; fingers point to -y, the origin is the wrist.
 A right hand's thumb is at -x. Lengths and radii are of a middling adult hand (187 mm from wrist
 to middle fingertip, about the mean of men and women in common anthropometric surveys): chosen.

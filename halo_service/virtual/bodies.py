@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.virtual import looks
+from halo_service.virtual import appearance
 from halo_service.virtual.mesh import Floats, Ints
 from halo_service.virtual.skeleton import PosedHand, User
 
@@ -36,12 +36,12 @@ class Body:
 def of_hand(user: User, hand: PosedHand) -> Body:
     """A hand as a thing that is seen."""
     return Body(
-        hand.vertices + hand.normals * looks.cloth_mm(user)[:, None],
+        hand.vertices + hand.normals * appearance.cloth_mm(user)[:, None],
         hand.normals,
         hand.faces,
-        looks.infrared(user),
-        looks.colour(user),
-        looks.offset_mm(user),
+        appearance.infrared(user),
+        appearance.colour(user),
+        appearance.offset_mm(user),
     )
 
 

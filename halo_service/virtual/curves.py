@@ -89,7 +89,7 @@ class Bench:
         return float(np.mean(sums))
 
     def dent_mm(self, height_mm: float) -> float:
-        """Mean depth of the table's dent beside a hovering fingertip, seen without a threshold."""
+        """Mean depth of the table's dent next to a hovering fingertip, without a threshold."""
         hand = self._hand(FingerPose(0.0, 0.0, height_mm))
         rows, columns = self._patch(hand, 0.0)
         reads = np.array([self._read([hand])[rows, columns] for _ in range(4 * FRAMES)])

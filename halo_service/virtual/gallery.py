@@ -1,4 +1,4 @@
-"""One picture of what the virtual Kinect sees, for a person to judge beside the paper's words.
+"""One picture of what the virtual Kinect sees, for a person to compare with the paper.
 
 Rule: draws, and decides nothing. A row for each material, a column for each state; in each field
 depth, halo (as the paper shows it: hand grey, halo white, 4.3.1), infrared and colour.
@@ -88,7 +88,7 @@ def _depth(frame: Frame, empty: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _halo(frame: Frame, empty: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What stands out: deeper than the threshold white, nearer than the noise grey."""
+    """Deeper than the threshold white, nearer than the noise grey."""
     measured = (frame.depth > 0) & np.isfinite(empty)
     excess = np.where(measured, frame.depth - empty, 0.0)
     return np.where(excess > THRESHOLD_MM, 255.0, np.where(excess < -THRESHOLD_MM, 127.0, 0.0))

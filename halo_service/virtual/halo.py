@@ -1,7 +1,7 @@
 """The halo: how deep the surface seems dented around a finger.
 
 This is phenomenological. The physics of a few diffuse bounces gives dents of 1 to 2 mm; the
-paper shows 8 mm and more, the rest is the sensor's own processing, which nobody outside knows.
+paper shows 8 mm and more, the rest is the sensor's own processing, which is not public.
 So nothing here is derived: curves of the right shape are scaled to what the paper reports.
 A figure measured on these curves is a claim about the pipeline that reads them, not about the
 world. Constants say where they come from: a section of the paper, or "chosen".
@@ -25,7 +25,7 @@ from halo_service.virtual.mesh import Floats
 APPROACH_MM, CONTACT_MM, PRESS_MM = 22.0, 5.0, 9.0
 """Depth that approach, contact and a firm press add on paper at 0.5 m. Chosen so that outside
 the finger about 8 mm are seen at 10 mm of height, where the halo just becomes visible (4.3.5) at
-the paper's threshold of 8 (4.3.1), and the four states stand in order."""
+the paper's threshold of 8 (4.3.1), and the four states are in order."""
 CONTACT_ONSET_MM = 2.0
 """Where contact begins to be felt by the light; subtle (1 mm) lies between. Chosen."""
 FIRM_G = 385.0
@@ -38,7 +38,7 @@ REFERENCE_MM = 500.0
 SIDE_WEIGHT = 0.6
 """What an underside that is no fingertip dents, of what a fingertip at its height does. Chosen."""
 MELT = 3.0
-"""Order of the norm by which dents melt together: below the sum, above the deepest. Chosen."""
+"""Order of the norm that joins dents: below the sum, above the deepest. Chosen."""
 
 
 def _straight(height: Floats, onset: float) -> Floats:

@@ -1,7 +1,7 @@
-"""How a hand is held: from where fingertips are wanted to the angles of every joint.
+"""Hand postures: from fingertip targets to the angles of every joint.
 
-Rule: pure geometry. The pad's lowest point lies exactly where it is asked for: that point is the
-truth of everything that is measured later.
+Rule: pure geometry. The pad's lowest point lies exactly at the target: that point is the truth
+for every later measurement.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Skin over bones: tapered capsules, melted together, meshed once, bent by linear blend skinning.
 
-Rule: geometry only. What a hand is made of stands in `anatomy`, how it is held in `hand`.
+Rule: geometry only. `anatomy` has the shape of a hand, `hand` its postures.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""How people move a finger: reaches, taps, presses and strokes on a time line.
+"""How people move a finger: reaches, taps, presses and strokes on a timeline.
 
-Rule: pure. A performer writes segments one after the other, without end if need be; `track`
+Rule: pure. A `Timeline` writes segments one after the other, possibly without end; `timeline`
 reads them.
 
 Reaches follow the minimum-jerk profile (Flash and Hogan 1985). A tap is a reach through the
@@ -48,7 +48,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A piece of a time line."""
+    """A part of a timeline."""
 
     start_s: float
     end_s: float
@@ -62,7 +62,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A named stretch of a time line, for those who need to know what happened when."""
+    """A named period of a timeline."""
 
     name: str
     from_s: float
@@ -104,8 +104,8 @@ def _crossing(share: float) -> float:
 _CUT = _crossing(1.0 / (1.0 + THROUGH))
 
 
-class Performer:
-    """One finger's time line as it is being written."""
+class Timeline:
+    """Writes one finger's segments."""
 
     def __init__(
         self, rng: np.random.Generator, start: FingerPose, side: Side, finger: Finger = Finger.INDEX
@@ -126,7 +126,7 @@ class Performer:
         self.note(name, start_s, self.now_s, **fields)
 
     def note(self, name: str, from_s: float, to_s: float, **fields: Any) -> None:
-        """Remember a stretch of time as a named step."""
+        """Record a period as a named step."""
         self.steps.append(Step(name, from_s, to_s, fields))
 
     def reach(self, seconds: float, lift_mm: float = 0.0, **to: float) -> Iterator[Segment]:
@@ -220,11 +220,11 @@ class Performer:
         """Wait, travel (`to`: fields of FingerPose), and touch at exactly `when_s`; ends where the
         contact ends, the finger still low.
 
-        When there is little time the finger hurries: it lifts less and comes down faster.
+        With little time the finger lifts less and comes down faster.
         """
         free = when_s - self.now_s
         if free < SHORTEST_S:
-            raise ValueError(f"no finger gets there in {1000 * free:.0f} ms")
+            raise ValueError(f"a finger cannot get there in {1000 * free:.0f} ms")
         down = min(0.11, 0.3 * free)
         travel = min(0.55, free - down)
         if free - down - travel > 0.0:

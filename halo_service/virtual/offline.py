@@ -10,7 +10,7 @@ from halo_service.errors import UserError
 from halo_service.values import Frame
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.scenarios import ENDING, play
+from halo_service.virtual.scenarios import ENDING, start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
 
@@ -47,7 +47,7 @@ class Take:
         self.expected_frames: int | None = None if seconds is None else round(seconds * FPS)
         """None where the scenario itself decides."""
         self._room = request.room
-        self._play = play(request.scenario, request.room)
+        self._scenario = start_scenario(request.scenario, request.room)
         times = colour_times if colour else 0
         self._sensor = Sensor(request.room, colour_times=times, started_us=START_US)
         self.camera, self.surface = self._sensor.camera, self._sensor.surface
@@ -63,24 +63,24 @@ class Take:
             late = abs(rng.normal(0.0, JITTER_US)) if index else 0.0
             dropped = index > 0 and rng.random() < self._room.drop
             yield self._capture(START_US + round((index * 1e6 / FPS + late) / 1e3) * 1000, dropped)
-            if self.expected_frames is None and self._play.finished:
+            if self.expected_frames is None and self._scenario.finished:
                 return
 
     def _capture(self, time_us: int, dropped: bool) -> tuple[Frame | None, list[truth.Line]]:
         t_s = (time_us - START_US) / 1e6
-        stage = self._play.at(t_s)
+        snapshot = self._scenario.at(t_s)
         lines = [
             truth.contact_line(contact, self.surface, START_US)
-            for contact in self._play.ended_contacts(t_s)
+            for contact in self._scenario.ended_contacts(t_s)
         ]
         if dropped:
             return None, lines
-        lines.append(truth.frame_line(time_us, self.camera, self.surface, stage.hands))
-        return self._sensor.frame(time_us, stage.hands, stage.things), lines
+        lines.append(truth.frame_line(time_us, self.camera, self.surface, snapshot.hands))
+        return self._sensor.frame(time_us, snapshot.hands, snapshot.things), lines
 
     def script(self) -> list[truth.Line]:
         """The steps played so far, in seconds from the first frame."""
-        return [truth.step_line(step) for step in self._play.steps]
+        return [truth.step_line(step) for step in self._scenario.steps]
 
 
 def frames(

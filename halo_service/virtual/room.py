@@ -1,7 +1,7 @@
-"""One seed is one user at one place: everything that stays the same from scenario to scenario.
+"""One seed is one user at one place: what stays the same in all scenarios.
 
-Rule: what a seed draws stands here and nowhere else, each draw with a stream of its own, so that
-overriding one thing by name leaves the others as they were.
+Rule: everything that a seed draws is drawn here. Each draw has its own random stream, so
+overriding one field by name does not change the others.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Room:
     light: float = 1.0
     """Room light, of a well-lit office."""
     props: tuple[str, ...] = ()
-    """What lies on the table, of `props.PROPS`."""
+    """What lies on the table, from `props.PROPS`."""
     sheets: tuple[Flat, ...] = ()
     """Printed sheets that lie on the table, the last on top; `props.printed` makes one."""
     blur_px: float = 0.0
@@ -60,10 +60,10 @@ class Room:
     exposure_ms: float | None = None
     """Of the colour camera; None: the camera follows the room light."""
     projected: str | None = None
-    """What the projector shows, of `pictures.PICTURES`, or a file; None: it is off."""
+    """What the projector shows: a name in `pictures.PICTURES` or a file; None: it is off."""
     projector: Projector = field(default_factory=Projector)
     labels: str | None = None
-    """The label file that the scenario `labels` plays."""
+    """The label file of the scenario `labels`."""
     sensor: SensorModel = KIND
     """The depth sensor's errors."""
 
@@ -97,7 +97,7 @@ def _stream(seed: int, what: str) -> np.random.Generator:
 
 
 def draw_user(seed: int) -> User:
-    """Somebody: sizes within two thirds of adults, all skin types."""
+    """A user: size within two thirds of adults, all skin types."""
     draw = _stream(seed, "user")
     depth = draw.uniform(0.0, 1.0)
     light, dark = np.array([0.52, 0.64, 0.86]), np.array([0.16, 0.22, 0.36])
@@ -196,14 +196,14 @@ LIMITS = {
     "curve.gain": (0.0, 3.0),
     "curve.press_g": (20.0, 2000.0),
 }
-"""What a room can be; beyond these, hands are no hands and pictures no pictures."""
+"""Accepted ranges; beyond them the images no longer make sense."""
 
 
 def check(room: Room) -> Room:
-    """Raise UserError for a room that cannot be; else hand it back."""
-    _known("material", [room.material], MATERIALS)
-    _known("halo family", [room.curve.family], FAMILIES)
-    _known("object", room.props, PROPS)
+    """Return the room; raise UserError where a field is out of range or unknown."""
+    _check_names("material", [room.material], MATERIALS)
+    _check_names("halo family", [room.curve.family], FAMILIES)
+    _check_names("object", room.props, PROPS)
     for name, (low, high) in LIMITS.items():
         part, _, field_name = name.rpartition(".")
         value = getattr(getattr(room, part) if part else room, field_name)
@@ -214,9 +214,9 @@ def check(room: Room) -> Room:
     return room
 
 
-def _known(what: str, names: Sequence[str], known: Collection[str]) -> None:
+def _check_names(what: str, names: Sequence[str], choices: Collection[str]) -> None:
     for name in names:
-        if name not in known:
+        if name not in choices:
             raise UserError(
-                f"The virtual Kinect knows no {what} {name!r}; known: {', '.join(known)}."
+                f"The virtual Kinect has no {what} {name!r}; choose from: {', '.join(choices)}."
             )

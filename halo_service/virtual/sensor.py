@@ -18,9 +18,9 @@ from halo_service.virtual import bodies as shapes
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import factory
 from halo_service.virtual.colour_image import Bgr, ColourImager
+from halo_service.virtual.dents import dents_of
 from halo_service.virtual.depth_image import DepthImager, Ideal
 from halo_service.virtual.halo import dent_field, fading
-from halo_service.virtual.lows import dents_of
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.room import Room
 from halo_service.virtual.scene import Image

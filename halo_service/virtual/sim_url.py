@@ -1,4 +1,4 @@
-"""What a source's name asks for: `sim:drumming?seed=3&material=foam&camera_height_mm=600`."""
+"""Read a source's name: `sim:drumming?seed=3&material=foam&camera_height_mm=600`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from halo_service.values import Side
 from halo_service.virtual.pictures import findable
 from halo_service.virtual.props import sheets
 from halo_service.virtual.room import Room, draw_room
-from halo_service.virtual.scenarios import FURNISHED, SCENARIOS
+from halo_service.virtual.scenarios import ROOM_CHANGES, SCENARIOS
 from halo_service.virtual.sensor_model import SENSORS, SensorModel
 
 DEFAULT = "demo"
@@ -82,15 +82,15 @@ def parse_sim_url(name: str = "", *, seed: int | None = None) -> SimRequest:
     scenario = scenario or DEFAULT
     if scenario not in SCENARIOS:
         raise UserError(
-            f"The virtual Kinect knows no scenario {scenario!r}; known: {', '.join(SCENARIOS)}."
+            f"The virtual Kinect has no scenario {scenario!r}; choose from: {', '.join(SCENARIOS)}."
         )
     options = dict(parse_qsl(query, keep_blank_values=True))
     drawn_seed = _read("seed", options.pop("seed", "1"), int)
     room = draw_room(seed if seed is not None else drawn_seed, **_named(options))
-    return SimRequest(scenario, FURNISHED.get(scenario, _as_it_is)(room))
+    return SimRequest(scenario, ROOM_CHANGES.get(scenario, _unchanged)(room))
 
 
-def _as_it_is(room: Room) -> Room:
+def _unchanged(room: Room) -> Room:
     return room
 
 
@@ -99,7 +99,8 @@ def _named(options: Mapping[str, str]) -> dict[str, Any]:
     for option, text in options.items():
         if option not in OPTIONS:
             raise UserError(
-                f"The virtual Kinect knows no option {option!r}; known: seed, {', '.join(OPTIONS)}."
+                f"The virtual Kinect has no option {option!r}; "
+                f"choose from: seed, {', '.join(OPTIONS)}."
             )
         field, read = OPTIONS[option]
         named[field] = _read(option, text, read)

@@ -1,7 +1,7 @@
 """A hand's skeleton and skin: from joint angles to every vertex.
 
 Rule: pure geometry, in the surface's frame (x right, y towards the user, z down into the
-surface; height is -z). Which angles a hand takes stands in `hand`.
+surface; height is -z). `hand` has the angles of a hand.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def about_z(angle: float) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """Whose hands these are."""
+    """The person: size, skin, habits."""
 
     size: float = 1.0
     """Length of the hand in that of the table in `anatomy`."""
@@ -58,7 +58,7 @@ class User:
 
 @dataclass(frozen=True, slots=True)
 class FingerPose:
-    """Where one fingertip is wanted: the whole of a pointing hand, in six numbers."""
+    """Where one fingertip shall be: a pointing hand in six numbers."""
 
     x_mm: float
     y_mm: float
@@ -92,7 +92,7 @@ class HandPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosedHand:
-    """A hand in place: its skin, and what is true of its fingers."""
+    """A hand in place: its skin, and the truth about its fingers."""
 
     side: Side
     vertices: Floats

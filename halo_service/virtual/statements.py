@@ -1,6 +1,6 @@
-"""What the paper says of its camera, beside what the virtual one does.
+"""What the paper says about its camera, next to what the virtual one does.
 
-Rule: each row is a statement, where it stands, how it is measured on frames, and the range in
+Rule: each row is a statement, its section, how it is measured on frames, and the range in
 which it holds. Where one does not hold, the table says so.
 """
 

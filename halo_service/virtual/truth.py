@@ -1,6 +1,6 @@
-"""What is true, line by line, beside the frames and never in them.
+"""The truth, line by line, next to the frames and never in them.
 
-Rule: for the bench and the recorder's side file alone; nothing here reaches a source's frames.
+Rule: for the evaluation and the recorder's truth file only; no frame contains it.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ from halo_service.errors import UserError
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.ring import Ring
-from halo_service.virtual.scenarios import play
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
 
@@ -43,7 +43,7 @@ def run(
     colour: bool,
     truth_path: str | None,
 ) -> None:
-    """Play a scenario for ever, or until the pipe closes."""
+    """Scenario a scenario for ever, or until the pipe closes."""
     # A whole process group is told to stop; ending is the parent's affair.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
@@ -79,7 +79,7 @@ class _Camera:
         self._pipe, self._ring, self._log = pipe, ring, log
         self._drop = request.room.drop
         self._rng = np.random.default_rng([request.room.seed, 3])
-        self._play = play(request.scenario, request.room)
+        self._scenario = start_scenario(request.scenario, request.room)
         switched_on_us = round(time.time() * 1e6)
         self._sensor = Sensor(
             request.room,
@@ -87,8 +87,8 @@ class _Camera:
             started_us=switched_on_us,
         )
         # Once for nothing, so that what is built at first use does not hold up a frame.
-        stage = self._play.at(0.0)
-        self._sensor.frame(switched_on_us, stage.hands, stage.things)
+        snapshot = self._scenario.at(0.0)
+        self._sensor.frame(switched_on_us, snapshot.hands, snapshot.things)
         self._start_us = round(time.time() * 1e6)
         self._number = 0
         self._asked: int | None = None
@@ -106,17 +106,17 @@ class _Camera:
     def _expose(self, time_us: int) -> None:
         self._serve_until(time_us / 1e6)
         t_s = (time_us - self._start_us) / 1e6
-        stage = self._play.at(t_s)
+        snapshot = self._scenario.at(t_s)
         surface = self._sensor.surface
         lines = [
             truth.contact_line(contact, surface, self._start_us)
-            for contact in self._play.ended_contacts(t_s)
+            for contact in self._scenario.ended_contacts(t_s)
         ]
         if self._rng.random() >= self._drop:
-            frame = self._sensor.frame(time_us, stage.hands, stage.things)
+            frame = self._sensor.frame(time_us, snapshot.hands, snapshot.things)
             self._number += 1
             self._ring.write(self._number, frame)
-            lines.append(truth.frame_line(time_us, self._sensor.camera, surface, stage.hands))
+            lines.append(truth.frame_line(time_us, self._sensor.camera, surface, snapshot.hands))
         if self._log is not None:
             self._log.writelines(json.dumps(line) + "\n" for line in lines)
             self._log.flush()
@@ -135,4 +135,4 @@ class _Camera:
             elif kind == "show":
                 self._sensor.show(value)
             else:
-                self._play.tell(value)
+                self._scenario.send(value)

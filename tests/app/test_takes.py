@@ -92,12 +92,18 @@ def test_ctrl_c_ends_a_live_take_and_keeps_it(
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["simulate", "nowhere", "--out", "x.mkv"], "knows no scenario 'nowhere'; known: demo"),
+        (["simulate", "nowhere", "--out", "x.mkv"], "has no scenario 'nowhere'; choose from: demo"),
         (["simulate", "demo", "--out", "x.mkv"], "never ends by itself; give its length"),
         (["simulate", "demo", "--out", "x.mkv", "--seconds", "-1"], "cannot be -1 s long"),
-        (["simulate", "demo?material=jelly", "--out", "x.mkv", "--seconds", "1"], "known: paper"),
+        (
+            ["simulate", "demo?material=jelly", "--out", "x.mkv", "--seconds", "1"],
+            "choose from: paper",
+        ),
         (["simulate", "demo?camera_height_mm=-5", "--out", "x.mkv", "--seconds", "1"], "give 300"),
-        (["simulate", "demo?speed=3", "--out", "x.mkv", "--seconds", "1"], "known: seed, material"),
+        (
+            ["simulate", "demo?speed=3", "--out", "x.mkv", "--seconds", "1"],
+            "choose from: seed, material",
+        ),
         (["simulate", "demo", "--out", "no/x.mkv", "--seconds", "0.1"], "cannot be written"),
         (
             ["simulate", "demo", "--out", "x.mkv", "--truth", "no/x", "--seconds", "0.1"],

@@ -26,7 +26,7 @@ from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.offline import frames
-from halo_service.virtual.scenarios import play
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sim_url import parse_sim_url
 
 pytestmark = pytest.mark.slow
@@ -40,7 +40,7 @@ Script = list[dict[str, float | str]]
 
 @pytest.fixture(scope="module")
 def script() -> Script:
-    acting = play(SIM.scenario, SIM.room)
+    acting = start_scenario(SIM.scenario, SIM.room)
     for second in range(60):
         acting.at(float(second))
     lines: Script = [

@@ -244,11 +244,11 @@ def test_a_picture_that_is_neither_png_nor_svg_is_refused(say: Any, tmp_path: An
 def test_the_true_session_is_painted_as_it_was(say: Any) -> None:
     """The virtual painter's own path and force, as a service without error would tell them."""
     from halo_service.values import Finger
-    from halo_service.virtual.scenarios import play
+    from halo_service.virtual.scenarios import start_scenario
     from halo_service.virtual.sim_url import parse_sim_url
 
     request = parse_sim_url("sim:painting?seed=3")
-    performed = play(request.scenario, request.room)
+    performed = start_scenario(request.scenario, request.room)
     painter, contacts, before = Painter(), 0, False
     true: list[tuple[float, float]] = []
     widths: list[float] = []

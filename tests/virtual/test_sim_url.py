@@ -12,17 +12,17 @@ from halo_service.virtual.sim_url import OPTIONS, parse_sim_url
 
 
 def test_everything_can_be_set_in_the_name():
-    asked = parse_sim_url(
+    request = parse_sim_url(
         "sim:drumming?seed=3&material=foam&camera_height_mm=600&hand=left&family=sigmoid"
     )
-    assert asked.scenario == "drumming"
-    room = asked.room
+    assert request.scenario == "drumming"
+    room = request.room
     assert (room.seed, room.material, room.camera_height_mm) == (3, "foam", 600.0)
     assert (room.dominant, room.curve.family) == (Side.LEFT, "sigmoid")
 
 
 @pytest.mark.parametrize("option, value", [("hand_size", 1.2), ("skin", 0.4), ("sleeve_mm", 40.0)])
-def test_what_a_seed_draws_of_the_user_can_be_overridden_alone(option, value):
+def test_one_drawn_field_can_be_overridden_alone(option, value):
     user = parse_sim_url(f"sim:demo?seed=3&{option}={value}").room.user
     drawn = draw_room(3).user
     field = OPTIONS[option][0].removeprefix("user.")
@@ -33,8 +33,8 @@ def test_what_a_seed_draws_of_the_user_can_be_overridden_alone(option, value):
     "name", ["", "sim", "sim:", "sim:demo", "demo", "sim?seed=1", "sim:?seed=1"]
 )
 def test_the_default_is_the_demo_of_seed_1(name):
-    asked = parse_sim_url(name)
-    assert (asked.scenario, asked.room) == ("demo", draw_room(1))
+    request = parse_sim_url(name)
+    assert (request.scenario, request.room) == ("demo", draw_room(1))
 
 
 @pytest.mark.parametrize("scenario", [s for s in SCENARIOS if s != "labels"])
@@ -47,9 +47,9 @@ def test_the_seed_of_the_command_line_wins():
 
 
 MISTAKES = [
-    ("sim:juggling", "no scenario 'juggling'; known: demo, idle"),
-    ("sim:demo?material=glue", "no material 'glue'; known: paper, wood"),
-    ("sim:demo?colour=red", "no option 'colour'; known: seed, material"),
+    ("sim:juggling", "no scenario 'juggling'; choose from: demo, idle"),
+    ("sim:demo?material=glue", "no material 'glue'; choose from: paper, wood"),
+    ("sim:demo?colour=red", "no option 'colour'; choose from: seed, material"),
     ("sim:demo?camera_height_mm=-500", "camera_height_mm is -500; give 300 to 1500"),
     ("sim:demo?camera_height_mm=nan", "camera_height_mm is nan"),
     ("sim:demo?camera_height_mm=tall", "camera_height_mm is 'tall'; it must be a number"),
@@ -57,8 +57,11 @@ MISTAKES = [
     ("sim:demo?seed=-1", "seed is -1"),
     ("sim:demo?seed=x", "seed is 'x'; it must be a whole number"),
     ("sim:demo?hand=third", "hand is 'third'; it must be left or right"),
-    ("sim:demo?family=cubic", "no halo family 'cubic'; known: straight, exponential, sigmoid"),
-    ("sim:demo?props=sofa", "no object 'sofa'; known: sheet, board, cup"),
+    (
+        "sim:demo?family=cubic",
+        "no halo family 'cubic'; choose from: straight, exponential, sigmoid",
+    ),
+    ("sim:demo?props=sofa", "no object 'sofa'; choose from: sheet, board, cup"),
     ("sim:demo?drop=1", "drop is 1; give 0 to 0.9"),
     ("sim:demo?noise=-2", "noise is -2"),
     ("sim:demo?hand_size=-1", "size is -1; give 0.7 to 1.3"),
@@ -72,7 +75,7 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize("name, sentence", MISTAKES, ids=[m[0] for m in MISTAKES])
-def test_every_mistake_gets_its_sentence(name, sentence):
+def test_each_invalid_name_is_rejected_with_the_remedy(name, sentence):
     with pytest.raises(UserError) as caught:
         parse_sim_url(name)
     assert sentence in str(caught.value)

@@ -5,9 +5,9 @@ import pytest
 
 from halo_service.values import Finger, Side
 from halo_service.virtual import halo
+from halo_service.virtual.dents import dents_of
 from halo_service.virtual.halo import FAMILIES, Dent, HaloCurve, dent_field, depth
 from halo_service.virtual.hand import pointing, resting
-from halo_service.virtual.lows import dents_of
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import FingerPose, posed
 from halo_service.virtual.statements import STATEMENTS

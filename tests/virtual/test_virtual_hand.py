@@ -1,4 +1,4 @@
-"""The hand: pads lie exactly where they are asked for, and nothing else touches the table."""
+"""The hand: pads lie exactly at their targets, and nothing else touches the table."""
 
 import itertools
 
@@ -19,7 +19,7 @@ USERS = [draw_user(seed) for seed in range(6)]
 
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("finger", list(Finger))
-def test_the_pad_lies_exactly_where_it_is_asked_for(side, finger):
+def test_the_pad_lies_exactly_at_its_target(side, finger):
     for user, pitch, yaw, height in zip(
         itertools.cycle(USERS), PITCHES, YAWS, (0.0, 1.0, 10.0, 40.0, 90.0), strict=False
     ):
@@ -87,7 +87,7 @@ def test_a_resting_hand_lies_on_the_table_and_presses_with_no_finger():
         assert hand.force_g == (0.0,) * 5
 
 
-def test_a_fist_stands_on_its_knuckles_and_no_finger_points():
+def test_a_fist_rests_on_its_knuckles_and_no_finger_points():
     for side in SIDES:
         hand = posed(User(), fist(User(), side, 150.0, 100.0, 0.0))
         assert (hand.joints[..., 2] + hand.radii)[:, 1:].max() == pytest.approx(0.0, abs=1e-9)

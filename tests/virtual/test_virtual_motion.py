@@ -5,25 +5,25 @@ import pytest
 
 from halo_service.values import Side
 from halo_service.virtual.motion import (
-    Performer,
+    Timeline,
     bump,
     plateau,
     smooth,
     smooth_speed,
 )
 from halo_service.virtual.skeleton import FingerPose
-from halo_service.virtual.track import Track
+from halo_service.virtual.timeline import TimelineReader
 
 START = FingerPose(100.0, 100.0, 20.0)
 
 
-def performer(seed=1):
-    return Performer(np.random.default_rng(seed), START, Side.RIGHT)
+def timeline(seed=1):
+    return Timeline(np.random.default_rng(seed), START, Side.RIGHT)
 
 
 def track(script, seed=1):
-    actor = performer(seed)
-    return actor, Track(script(actor), np.random.default_rng(seed))
+    motion = timeline(seed)
+    return motion, TimelineReader(script(motion), np.random.default_rng(seed))
 
 
 def test_minimum_jerk_starts_and_ends_at_rest():
@@ -41,11 +41,11 @@ def taps(p):
         yield from p.hold(0.2)
 
 
-def test_a_tap_meets_the_table_with_speed_and_at_the_told_time():
+def test_a_tap_meets_the_table_with_speed_and_at_the_given_time():
     _, line = track(taps)
     times = np.arange(0.0, 2.5, 0.001)
     poses = [line.at(t) for t in times]
-    contacts = line.begun(10.0)
+    contacts = line.started_contacts(10.0)
     assert len(contacts) == 3
     for contact in contacts:
         before, after = (np.searchsorted(times, contact.from_s + d) for d in (-0.004, 0.004))
@@ -82,27 +82,27 @@ def test_a_finger_in_the_air_trembles_and_one_on_the_table_does_not():
 
 
 @pytest.mark.parametrize("free_s", [0.06, 0.1, 0.3, 1.0, 5.0])
-def test_a_timed_tap_is_on_time_however_little_there_is(free_s):
+def test_a_timed_tap_is_on_time_even_with_little_time(free_s):
     def script(p):
         yield from p.hold(1.0)
         yield from p.tap_at(1.0 + free_s, 0.1, bump(50.0), 15.0, to={"x_mm": 180.0})
 
     _, line = track(script)
     line.at(1.0 + free_s + 0.2)
-    (contact,) = line.begun(99.0)
+    (contact,) = line.started_contacts(99.0)
     assert contact.from_s == pytest.approx(1.0 + free_s, abs=1e-9)
     assert contact.x_mm == 180.0
 
 
-def test_no_finger_is_quicker_than_fingers_are():
-    with pytest.raises(ValueError, match="no finger gets there"):
-        list(performer().tap_at(0.01, 0.1, bump(50.0), 15.0))
+def test_a_reach_that_is_too_short_is_refused():
+    with pytest.raises(ValueError, match="a finger cannot get there"):
+        list(timeline().tap_at(0.01, 0.1, bump(50.0), 15.0))
 
 
 def test_steps_are_named_when_they_are_done():
-    actor = performer()
-    list(actor.step("hover", actor.hold(2.0), height_mm=10.0))
-    (step,) = actor.steps
+    motion = timeline()
+    list(motion.step("hover", motion.hold(2.0), height_mm=10.0))
+    (step,) = motion.steps
     assert (step.name, step.from_s, step.to_s, step.fields) == (
         "hover",
         0.0,
@@ -111,7 +111,7 @@ def test_steps_are_named_when_they_are_done():
     )
 
 
-def test_a_track_that_ends_keeps_its_last_pose():
+def test_an_ended_timeline_stays_at_its_last_pose():
     _, line = track(lambda p: p.reach(0.5, height_mm=30.0))
     assert line.at(0.4).height_mm < 30.0
     assert not line.finished

@@ -11,8 +11,15 @@ from halo_service.values import Finger, Side
 from halo_service.virtual import truth
 from halo_service.virtual.camera import factory
 from halo_service.virtual.room import draw_room
-from halo_service.virtual.scenarios import ENDING, SCENARIOS, awkward, play, threshold, typing
-from halo_service.virtual.scenarios import labels as label_play
+from halo_service.virtual.scenarios import (
+    ENDING,
+    SCENARIOS,
+    awkward,
+    start_scenario,
+    threshold,
+    typing,
+)
+from halo_service.virtual.scenarios import labels as label_scenario
 from halo_service.virtual.scenarios.study import FORCES_G, HEIGHTS_MM, targets
 from halo_service.virtual.sim_url import parse_sim_url
 from halo_type.phrases import PHRASES
@@ -22,11 +29,11 @@ LABELS = "7,touchdown,100,100,1000000\n7,touchend,0,0,1000060\n8,touchdown,500,3
 
 
 def run(name, seconds, step_s=1 / 30):
-    """Every stage, and the touches."""
-    asked = parse_sim_url(name)
-    scenario = play(asked.scenario, asked.room)
-    stages = [(t, scenario.at(t)) for t in np.arange(0.0, seconds, step_s)]
-    return scenario, stages, scenario.ended_contacts(1e9)
+    """Every snapshot, and the touches."""
+    request = parse_sim_url(name)
+    scenario = start_scenario(request.scenario, request.room)
+    snapshots = [(t, scenario.at(t)) for t in np.arange(0.0, seconds, step_s)]
+    return scenario, snapshots, scenario.ended_contacts(1e9)
 
 
 def name_of(scenario, tmp_path):
@@ -38,10 +45,10 @@ def name_of(scenario, tmp_path):
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_touches_and_pressing_fingers_agree(scenario, tmp_path):
-    _, stages, contacts = run(name_of(scenario, tmp_path), 12.0, 0.05)
+    _, snapshots, contacts = run(name_of(scenario, tmp_path), 12.0, 0.05)
     pressed = {}
-    for t, stage in stages:
-        for hand, finger in itertools.product(stage.hands, Finger):
+    for t, snapshot in snapshots:
+        for hand, finger in itertools.product(snapshot.hands, Finger):
             if hand.force_g[finger] > 0.0:
                 pressed.setdefault((hand.side, finger), []).append(t)
                 assert hand.pad(finger)[2] >= -1e-6
@@ -59,27 +66,27 @@ def test_touches_and_pressing_fingers_agree(scenario, tmp_path):
 
 @pytest.mark.parametrize("scenario", [s for s in SCENARIOS if s not in ("idle", "hand")])
 def test_no_skin_goes_through_the_table(scenario, tmp_path):
-    _, stages, _ = run(name_of(scenario, tmp_path), 30.0, 0.25)
-    for _, stage in stages:
-        for hand in stage.hands:
+    _, snapshots, _ = run(name_of(scenario, tmp_path), 30.0, 0.25)
+    for _, snapshot in snapshots:
+        for hand in snapshot.hands:
             in_view = hand.vertices[hand.vertices[:, 1] < 330.0]
             assert in_view[:, 2].max(initial=-1.0) < 3.0  # a pressed pad is flat: 2.6 mm
 
 
 def test_the_demo_hovers_touches_and_presses_within_five_seconds():
     for seed in range(6):
-        _, stages, contacts = run(f"sim:demo?seed={seed}", 5.0, 1 / 15)
-        heights = [-stage.hands[0].pad(Finger.INDEX)[2] for _, stage in stages]
+        _, snapshots, contacts = run(f"sim:demo?seed={seed}", 5.0, 1 / 15)
+        heights = [-snapshot.hands[0].pad(Finger.INDEX)[2] for _, snapshot in snapshots]
         assert any(4.0 < h < 15.0 for h in heights)
         assert len(contacts) >= 2
-        assert max(max(stage.hands[0].force_g) for _, stage in stages) > 100.0
+        assert max(max(snapshot.hands[0].force_g) for _, snapshot in snapshots) > 100.0
 
 
-def test_an_idle_room_is_empty_and_so_is_a_hand_that_nobody_plays():
+def test_an_idle_room_is_empty_and_so_is_a_hand_without_messages():
     for name in ("sim:idle", "sim:hand"):
-        _, stages, contacts = run(name, 2.0)
+        _, snapshots, contacts = run(name, 2.0)
         assert contacts == []
-        assert all(stage.hands == () for _, stage in stages)
+        assert all(snapshot.hands == () for _, snapshot in snapshots)
 
 
 def test_pointing_visits_the_sixteen_targets_once_a_second():
@@ -99,12 +106,12 @@ def test_pointing_visits_the_sixteen_targets_once_a_second():
     "scenario, field, levels",
     [("hover", "height_mm", HEIGHTS_MM), ("pressure", "force_g", FORCES_G)],
 )
-def test_levels_of_the_study_are_held_twice_each(scenario, field, levels):
-    played, stages, _ = run(f"sim:{scenario}?seed=3", 60.0, 0.1)
-    assert played.finished
-    assert sorted(s.fields[field] for s in played.steps) == sorted(2 * list(levels))
-    for step in played.steps:
-        within = [stage.hands[0] for t, stage in stages if step.from_s <= t <= step.to_s]
+def test_the_study_holds_each_level_twice(scenario, field, levels):
+    running, snapshots, _ = run(f"sim:{scenario}?seed=3", 60.0, 0.1)
+    assert running.finished
+    assert sorted(s.fields[field] for s in running.steps) == sorted(2 * list(levels))
+    for step in running.steps:
+        within = [snapshot.hands[0] for t, snapshot in snapshots if step.from_s <= t <= step.to_s]
         if scenario == "hover":
             values = [-hand.pad(Finger.INDEX)[2] for hand in within]
         else:
@@ -112,16 +119,16 @@ def test_levels_of_the_study_are_held_twice_each(scenario, field, levels):
         assert np.mean(values) == pytest.approx(step.fields[field], rel=0.06)
 
 
-def test_calibration_plays_the_script_that_it_tells():
-    played, stages, _ = run("sim:calibration?seed=4", 44.0, 0.1)
-    assert played.finished
-    names = [step.name for step in played.steps]
+def test_calibration_follows_the_script_that_it_reports():
+    running, snapshots, _ = run("sim:calibration?seed=4", 44.0, 0.1)
+    assert running.finished
+    names = [step.name for step in running.steps]
     assert names == ["background", "hover", "subtle", "touch", "pressure", "sweep"]
-    assert all(a.to_s <= b.from_s for a, b in itertools.pairwise(played.steps))
+    assert all(a.to_s <= b.from_s for a, b in itertools.pairwise(running.steps))
     room = parse_sim_url("sim:calibration?seed=4").room
-    for step in played.steps:
-        within = [stage for t, stage in stages if step.from_s <= t < step.to_s]
-        hands = [stage.hands[0] for stage in within]
+    for step in running.steps:
+        within = [snapshot for t, snapshot in snapshots if step.from_s <= t < step.to_s]
+        hands = [snapshot.hands[0] for snapshot in within]
         pads = np.array([hand.pad(Finger.INDEX) for hand in hands])
         if step.name == "background":
             assert len(within) >= 25
@@ -132,7 +139,7 @@ def test_calibration_plays_the_script_that_it_tells():
             forces = [hand.force_g[Finger.INDEX] for hand in hands]
             assert np.mean(forces) == pytest.approx(step.fields["force_g"], rel=0.05)
         if step.name == "sweep":
-            assert all(len(stage.things) == 1 for stage in within)  # the wedge
+            assert all(len(snapshot.things) == 1 for snapshot in within)  # the wedge
             assert np.ptp(pads[:, 0]) > 240.0
             assert np.ptp(pads[:, 1]) > 140.0
             pitches = [hand.pitch_yaw(Finger.INDEX)[0] for hand in hands]
@@ -140,7 +147,7 @@ def test_calibration_plays_the_script_that_it_tells():
 
 
 def test_typed_keys_spell_phrases_and_mostly_lie_inside():
-    _, stages, contacts = run("sim:typing?seed=2", 50.0, 0.2)
+    _, snapshots, contacts = run("sim:typing?seed=2", 50.0, 0.2)
     text = "".join(c.key for c in contacts)
     assert any(phrase in text for phrase in PHRASES)
     layout = typing.keys()
@@ -149,7 +156,7 @@ def test_typed_keys_spell_phrases_and_mostly_lie_inside():
     assert {c.side for c in contacts} == {Side.LEFT, Side.RIGHT}
     gaps = np.diff([c.from_s for c in contacts])
     assert np.median(gaps) == pytest.approx(0.45, abs=0.08)
-    tips = [[h.pad(Finger.INDEX)[0] for h in stage.hands] for _, stage in stages[25:]]
+    tips = [[h.pad(Finger.INDEX)[0] for h in snapshot.hands] for _, snapshot in snapshots[25:]]
     assert min(right - left for left, right in tips) > 5.0  # hands do not cross
 
 
@@ -165,40 +172,40 @@ def test_typing_styles_trade_speed_for_aim():
 
 
 def test_re_taps_rise_by_what_their_step_says():
-    played, _, contacts = run("sim:threshold?seed=2", 50.0, 0.4)
-    assert played.finished
-    lifts = sorted(step.fields["lift_mm"] for step in played.steps)
+    running, _, contacts = run("sim:threshold?seed=2", 50.0, 0.4)
+    assert running.finished
+    lifts = sorted(step.fields["lift_mm"] for step in running.steps)
     assert lifts == sorted(threshold.LIFTS_MM * threshold.ROUNDS)
     assert len(contacts) == len(lifts) + threshold.ROUNDS
-    for step in played.steps:
+    for step in running.steps:
         assert sum(step.from_s <= c.from_s <= step.to_s for c in contacts) == 1
-    played, stages, _ = run("sim:threshold?seed=2", 8.0, 0.02)
-    assert len(played.steps) >= len(threshold.LIFTS_MM)
-    for step in played.steps:
-        within = [stage.hands[0] for t, stage in stages if step.from_s <= t <= step.to_s]
+    running, snapshots, _ = run("sim:threshold?seed=2", 8.0, 0.02)
+    assert len(running.steps) >= len(threshold.LIFTS_MM)
+    for step in running.steps:
+        within = [snapshot.hands[0] for t, snapshot in snapshots if step.from_s <= t <= step.to_s]
         risen = max(-hand.pad(Finger.INDEX)[2] for hand in within)
         assert risen == pytest.approx(step.fields["lift_mm"], abs=0.5)
 
 
 def test_awkward_touches_are_as_their_steps_say_and_each_follows_a_feint():
-    played, stages, contacts = run("sim:awkward?seed=2", 60.0)
-    assert played.finished
+    running, snapshots, contacts = run("sim:awkward?seed=2", 60.0)
+    assert running.finished
     edge = (150.0, 100.0)  # half the surface's size: as far as its edges are from its middle
-    for step in played.steps:
+    for step in running.steps:
         (touch,) = (c for c in contacts if step.from_s <= c.from_s <= step.to_s)
-        before = [s.hands[0] for t, s in stages if step.from_s + 0.6 <= t < touch.from_s - 0.2]
+        before = [s.hands[0] for t, s in snapshots if step.from_s + 0.6 <= t < touch.from_s - 0.2]
         assert min(-hand.pad(Finger.INDEX)[2] for hand in before) == pytest.approx(4.0, abs=0.8)
         if step.name == "angle":
-            hand = next(s.hands[0] for t, s in stages if t >= touch.from_s)
+            hand = next(s.hands[0] for t, s in snapshots if t >= touch.from_s)
             pitch, _ = hand.pitch_yaw(Finger.INDEX)
             assert pitch == pytest.approx(step.fields["pitch_deg"], abs=4.0)
         else:
             off = np.abs((touch.x_mm - edge[0], touch.y_mm - edge[1])) - edge
             assert max(off) == pytest.approx(step.fields["beyond_mm"], abs=2.0)
-    told = [(step.name, *step.fields.values()) for step in played.steps]
-    wanted = [("angle", each) for each in awkward.PITCHES_DEG]
-    wanted += [("edge", each) for each in awkward.BEYOND_MM]
-    assert sorted(told) == sorted(wanted * awkward.ROUNDS)
+    reported = [(step.name, *step.fields.values()) for step in running.steps]
+    expected = [("angle", each) for each in awkward.PITCHES_DEG]
+    expected += [("edge", each) for each in awkward.BEYOND_MM]
+    assert sorted(reported) == sorted(expected * awkward.ROUNDS)
 
 
 def test_ten_fingers_all_touch():
@@ -210,10 +217,10 @@ def test_ten_fingers_all_touch():
 
 def test_one_hand_drums_while_the_other_hovers():
     room = draw_room(3)
-    _, stages, contacts = run("sim:drumming?seed=3", 20.0, 0.1)
+    _, snapshots, contacts = run("sim:drumming?seed=3", 20.0, 0.1)
     assert {c.side for c in contacts} == {room.dominant}
     assert len(contacts) > 15
-    idle = [h for _, stage in stages for h in stage.hands if h.side is not room.dominant]
+    idle = [h for _, snapshot in snapshots for h in snapshot.hands if h.side is not room.dominant]
     heights = [-hand.pad(Finger.INDEX)[2] for hand in idle[70:]]
     assert min(heights) > 0.0
     assert np.ptp(heights) > 30.0
@@ -221,13 +228,13 @@ def test_one_hand_drums_while_the_other_hovers():
 
 def test_palms_and_fists_of_chaos_touch_nothing():
     room = draw_room(5)
-    _, stages, contacts = run("sim:chaos?seed=5", 40.0, 0.1)
+    _, snapshots, contacts = run("sim:chaos?seed=5", 40.0, 0.1)
     assert {c.side for c in contacts} == {room.dominant}
-    assert any(stage.things for _, stage in stages)
+    assert any(snapshot.things for _, snapshot in snapshots)
     lowest = [
         hand.vertices[:, 2].max()
-        for _, stage in stages
-        for hand in stage.hands
+        for _, snapshot in snapshots
+        for hand in snapshot.hands
         if hand.side is not room.dominant
     ]
     assert max(lowest) > -1.0  # they do lie on the table
@@ -236,7 +243,7 @@ def test_palms_and_fists_of_chaos_touch_nothing():
 def test_a_label_files_touches_begin_and_end_when_they_did(tmp_path):
     name = name_of("labels", tmp_path)
     _, _, contacts = run(name, 8.0)
-    assert [round(c.to_s - c.from_s, 3) for c in contacts] == [0.06, label_play.LEAST_S]
+    assert [round(c.to_s - c.from_s, 3) for c in contacts] == [0.06, label_scenario.LEAST_S]
     assert contacts[1].from_s - contacts[0].from_s == pytest.approx(0.5, abs=1e-6)
 
 
@@ -244,14 +251,14 @@ def test_a_label_files_touches_begin_and_end_when_they_did(tmp_path):
     "person, playable",
     [("07_1_3", 1.0), ("05_1_1", 1.0), ("06_2", 1.0), ("05_3_2", 1.0), ("06_5", 0.6)],
 )
-def test_real_peoples_touches_can_be_played(company_data, person, playable):
+def test_touches_of_real_people_can_be_replayed(company_data, person, playable):
     path = company_data / "touch_labels" / f"{person}.txt"
-    touches = label_play.read(path)
+    touches = label_scenario.read(path)
     assert len(touches) > 30
     _, _, contacts = run(f"sim:labels?labels={path}", 40.0, 0.2)
-    told = [label for label in touches if label.to_s < 39.0]
+    reported = [label for label in touches if label.to_s < 39.0]
     # The last file is of many fingers at once, and only two play here.
-    assert len(contacts) >= playable * len(told)
+    assert len(contacts) >= playable * len(reported)
     starts = {round(label.from_s, 6) for label in touches}
     assert {round(c.from_s, 6) for c in contacts} <= starts
     for contact in contacts:
@@ -263,26 +270,26 @@ def test_real_peoples_touches_can_be_played(company_data, person, playable):
     "text, sentence",
     [("", "holds no touches"), ("a,b\n", "holds no touches"), (None, "cannot be read")],
 )
-def test_a_label_file_without_touches_gets_its_sentence(tmp_path, text, sentence):
+def test_a_label_file_without_touches_is_rejected(tmp_path, text, sentence):
     path = tmp_path / "labels.txt"
     if text is not None:
         path.write_text(text)
     with pytest.raises(UserError, match=sentence):
-        label_play.read(Path(path))
+        label_scenario.read(Path(path))
     with pytest.raises(UserError, match="needs a file"):
-        play("labels", draw_room(1))
+        start_scenario("labels", draw_room(1))
 
 
-def test_a_played_finger_does_what_it_is_told():
-    scenario = play("hand", draw_room(2))
-    scenario.tell((2, 1, 80.0, 60.0, 12.0, 0.0))
+def test_a_controlled_finger_follows_its_messages():
+    scenario = start_scenario("hand", draw_room(2))
+    scenario.send((2, 1, 80.0, 60.0, 12.0, 0.0))
     (hand,) = scenario.at(0.1).hands
     assert hand.pad(Finger.INDEX) == pytest.approx([80.0, 60.0, -12.0])
-    scenario.tell((1, 1, 200.0, 60.0, 5.0, 90.0))
+    scenario.send((1, 1, 200.0, 60.0, 5.0, 90.0))
     left = next(h for h in scenario.at(0.2).hands if h.side is Side.LEFT)
     assert left.force_g[Finger.INDEX] == 90.0
     assert left.pad(Finger.INDEX)[2] > 0.0
-    scenario.tell((2, 1, 0.0, 0.0, -1.0, 0.0))
+    scenario.send((2, 1, 0.0, 0.0, -1.0, 0.0))
     assert [h.side for h in scenario.at(0.3).hands] == [Side.LEFT]
 
 
@@ -292,26 +299,26 @@ def test_a_played_finger_does_what_it_is_told():
      (2, 1, float("nan"), 0, 0, 0), (2, 1, 1e9, 0, 0, 0), (2, 1, 0, 0, 0, -5), (2, 1, 0, 0, 0, 1e9),
      (2, 1, "x", 0, 0, 0)],
 )  # fmt: skip
-def test_nonsense_moves_no_finger(message):
-    scenario = play("hand", draw_room(2))
+def test_an_invalid_message_moves_no_finger(message):
+    scenario = start_scenario("hand", draw_room(2))
     with pytest.raises(UserError):
-        scenario.tell(message)
+        scenario.send(message)
     assert scenario.at(0.1).hands == ()
 
 
 def test_endings_are_what_the_table_says(tmp_path):
     for scenario in SCENARIOS:
-        played, _, _ = run(name_of(scenario, tmp_path), 60.0, 1.75)  # the last look is at 59.5 s
-        assert played.finished == (scenario in ENDING), scenario
+        running, _, _ = run(name_of(scenario, tmp_path), 60.0, 1.75)  # the last look is at 59.5 s
+        assert running.finished == (scenario in ENDING), scenario
 
 
-def test_a_line_of_truth_has_the_promised_fields():
+def test_a_line_of_truth_has_the_documented_fields():
     room = draw_room(1)
-    scenario = play("demo", room)
+    scenario = start_scenario("demo", room)
     surface = room.surface()
     for t in np.arange(0.0, 6.0, 1 / 30):
-        stage = scenario.at(t)
-        line = truth.frame_line(7, factory(), surface, stage.hands)
+        snapshot = scenario.at(t)
+        line = truth.frame_line(7, factory(), surface, snapshot.hands)
         for finger in line["fingers"]:
             assert " ".join(finger) == FINGER_FIELDS
             on_surface = surface.from_camera(np.array([finger["camera_mm"]]))[0]

@@ -11,7 +11,7 @@ from halo_service.evaluation.latency.raw_frames import Handed, handed
 from halo_service.geometry.camera import Camera
 from halo_service.values import SourceKind
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.scenarios import play
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
 
@@ -47,7 +47,7 @@ def draw(name: str, request: SimRequest, seconds: float, tick: Callable[[], obje
     `tick` is called after each frame. No frame is dropped: how often a device does is not at
     stake here.
     """
-    acting, sensor = play(request.scenario, request.room), Sensor(request.room)
+    acting, sensor = start_scenario(request.scenario, request.room), Sensor(request.room)
     first = round(OPENING_S * FPS)
     captures: list[Handed] = []
     contacts: list[TrueContact] = []

@@ -7,27 +7,25 @@ from collections.abc import Callable
 import numpy as np
 
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios import (
     awkward,
     calibration,
     chaos,
+    controlled,
     demo,
     drumming,
     idle,
     labels,
     painting,
     projector,
-    puppet,
     study,
     ten_fingers,
     threshold,
     typing,
 )
-from halo_service.virtual.stage import Play
 
-Scenario = Callable[[Room, np.random.Generator], Play]
-
-SCENARIOS: dict[str, Scenario] = {
+SCENARIOS: dict[str, Callable[[Room, np.random.Generator], Scenario]] = {
     "demo": demo.demo,
     "idle": idle.idle,
     "calibration": calibration.calibration,
@@ -45,18 +43,18 @@ SCENARIOS: dict[str, Scenario] = {
     "projector": projector.projector,
     "chaos": chaos.chaos,
     "labels": labels.labels,
-    "hand": puppet.hand,
+    "hand": controlled.hand,
 }
 ENDING = frozenset({"calibration", "hover", "pressure", "threshold", "awkward", "labels"})
-"""Scenarios that end by themselves; the others go on for ever."""
-FURNISHED: dict[str, Callable[[Room], Room]] = {
+"""Scenarios that end by themselves; the others never end."""
+ROOM_CHANGES: dict[str, Callable[[Room], Room]] = {
     "projector": projector.lit,
     "chaos": chaos.dressed,
     "labels": labels.readable,
 }
-"""Scenarios that bring something along, or need something to be there."""
+"""Scenarios that add something to the room, or check that it is there."""
 
 
-def play(scenario: str, room: Room) -> Play:
-    """Begin a scenario, one of SCENARIOS, in a room that has been furnished for it."""
+def start_scenario(scenario: str, room: Room) -> Scenario:
+    """Start a scenario, one of SCENARIOS, in a room already changed by ROOM_CHANGES."""
     return SCENARIOS[scenario](room, np.random.default_rng([room.seed, 2, *scenario.encode()]))

@@ -1,7 +1,7 @@
 """`awkward`: touches where touch is hard to see: very flat and very steep fingers, and the edge.
 
-Before each touch comes a feint: the finger goes down as for a tap, stops short and rises again.
-Whoever tells it as a touch was wrong. The script names each pair `angle` with its `pitch_deg`, or
+A feint precedes each touch: the finger goes down as for a tap, stops short and rises again.
+Reporting it as a touch is an error. The script names each pair `angle` with its `pitch_deg`, or
 `edge` with its `beyond_mm`, negative inside the surface.
 """
 
@@ -11,10 +11,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment
+from halo_service.virtual.motion import Segment, Timeline
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import comfortable, solo
-from halo_service.virtual.stage import Play
 
 PITCHES_DEG = (8.0, 15.0, 22.0, 65.0, 72.0, 80.0)
 """Around the 15 and 75 degrees between which the paper's halo can be relied on (4.3.4)."""
@@ -27,12 +27,12 @@ LIFT_MM = 18.0
 TOUCH_S = (0.2, 0.5)
 
 
-def awkward(room: Room, rng: np.random.Generator) -> Play:
+def awkward(room: Room, rng: np.random.Generator) -> Scenario:
     """Each pitch, and each way off each edge, in random order; ends by itself."""
     return solo(room, rng, _rounds)
 
 
-def _rounds(p: Performer) -> Iterator[Segment]:
+def _rounds(p: Timeline) -> Iterator[Segment]:
     yield from p.hold(2.5)
     yield from p.reach(1.2, x_mm=150.0, y_mm=100.0, height_mm=LIFT_MM)
     for _ in range(ROUNDS):
@@ -46,7 +46,7 @@ def _rounds(p: Performer) -> Iterator[Segment]:
     yield from p.reach(1.0, height_mm=60.0)
 
 
-def _off_an_edge(p: Performer, beyond_mm: float) -> dict[str, float]:
+def _off_an_edge(p: Timeline, beyond_mm: float) -> dict[str, float]:
     """Give a place so far beyond one of the four edges."""
     x, y = p.rng.uniform(40.0, WIDTH_MM - 40.0), p.rng.uniform(40.0, HEIGHT_MM - 40.0)
     edge = int(p.rng.integers(4))
@@ -57,7 +57,7 @@ def _off_an_edge(p: Performer, beyond_mm: float) -> dict[str, float]:
     return {"x_mm": x, "y_mm": y}
 
 
-def _feint_and_touch(p: Performer, to: dict[str, float]) -> Iterator[Segment]:
+def _feint_and_touch(p: Timeline, to: dict[str, float]) -> Iterator[Segment]:
     yield from p.reach(0.6, lift_mm=8.0, height_mm=LIFT_MM, **to)
     yield from p.reach(0.15, height_mm=FEINT_MM)
     yield from p.hold(0.1)

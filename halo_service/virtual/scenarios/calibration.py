@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment
+from halo_service.virtual.motion import Segment, Timeline
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import away, solo
-from halo_service.virtual.stage import Play
 
 BACKGROUND_S = 2.5
 """A little more than the paper's 60 frames (4.3.1)."""
@@ -24,12 +24,12 @@ EDGE_MM = 25.0
 """How near to the edges the sweep goes, chosen."""
 
 
-def calibration(room: Room, rng: np.random.Generator) -> Play:
+def calibration(room: Room, rng: np.random.Generator) -> Scenario:
     """Ends by itself after about 45 s; its script names the steps."""
     return solo(room, rng, lambda p: _script(p, room))
 
 
-def _script(p: Performer, room: Room) -> Iterator[Segment]:
+def _script(p: Timeline, room: Room) -> Iterator[Segment]:
     yield from p.step("background", p.hold(BACKGROUND_S))
     middle = {"x_mm": WIDTH_MM / 2.0, "y_mm": HEIGHT_MM / 2.0, "pitch_deg": 45.0}
     yield from p.reach(1.2, **middle, height_mm=25.0)
@@ -48,7 +48,7 @@ def _script(p: Performer, room: Room) -> Iterator[Segment]:
     yield from p.reach(1.0, x_mm=home.x_mm, y_mm=home.y_mm, height_mm=home.height_mm)
 
 
-def _held_press(p: Performer, name: str, force_g: float) -> Iterator[Segment]:
+def _held_press(p: Timeline, name: str, force_g: float) -> Iterator[Segment]:
     """Half a second to settle, the step, a moment more; people's force wavers by 3 % (chosen)."""
     seconds = HOLD_S + 0.9
     phase = p.rng.uniform(0.0, 2.0 * np.pi)
@@ -63,7 +63,7 @@ def _held_press(p: Performer, name: str, force_g: float) -> Iterator[Segment]:
     p.note(name, start_s, start_s + HOLD_S, force_g=force_g)
 
 
-def _sweep(p: Performer) -> Iterator[Segment]:
+def _sweep(p: Timeline) -> Iterator[Segment]:
     """Rows to and fro over the whole surface, the finger resting on the wedge."""
     x0, x1 = EDGE_MM, WIDTH_MM - EDGE_MM
     y0, y1 = EDGE_MM, HEIGHT_MM - EDGE_MM

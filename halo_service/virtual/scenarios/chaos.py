@@ -1,5 +1,5 @@
-"""`chaos`: what a table is really like. Sleeves, palms, fists, things put down, hands that come
-and go, and in between somebody who taps."""
+"""`chaos`: sleeves, palms, fists, objects on the table, hands that come and go, and one hand
+that taps in between."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 from halo_service.values import Side
 from halo_service.virtual.bodies import Body, cup
 from halo_service.virtual.hand import fist, resting
-from halo_service.virtual.motion import Contact, Performer, Segment
+from halo_service.virtual.motion import Contact, Segment, Timeline
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario, other
 from halo_service.virtual.scenarios.common import away, pointer, somewhere
 from halo_service.virtual.skeleton import HandPose, User
-from halo_service.virtual.stage import Play, other
-from halo_service.virtual.track import Track
+from halo_service.virtual.timeline import TimelineReader
 
 SLEEVE_MM = 45.0
 """How far a shirt's cuff ends above the wrist, chosen."""
 CUP_S = (20.0, 32.0)
-"""When a second mug stands on the table, and when it is gone again; chosen."""
+"""When a second mug stands on the table, and when it leaves; chosen."""
 
 
 def dressed(room: Room) -> Room:
@@ -30,27 +30,27 @@ def dressed(room: Room) -> Room:
     return dataclasses.replace(room, user=user, props=room.props or ("cup", "sheet"))
 
 
-class Loafer:
-    """A hand that comes, rests its palm or its fist on the table, and goes, touching nothing."""
+class RestingHand:
+    """A hand that comes, rests its palm or its fist on the table, and goes. No finger touches."""
 
-    def __init__(self, user: User, side: Side, track: Track, closed: bool) -> None:
+    def __init__(self, user: User, side: Side, track: TimelineReader, closed: bool) -> None:
         self._user, self._side, self._track = user, side, track
         self._shape = fist if closed else resting
 
     def pose(self, t_s: float) -> HandPose | None:
-        """On the table when its time line says height 0."""
+        """On the table where its timeline has height 0."""
         at = self._track.at(t_s)
         pose = self._shape(self._user, self._side, at.x_mm, at.y_mm, at.yaw_deg)
         raised = pose.surface_from_hand.copy()
         raised[2, 3] -= at.height_mm
         return dataclasses.replace(pose, surface_from_hand=raised)
 
-    def begun(self, t_s: float) -> list[Contact]:
-        """Never a fingertip."""
+    def started_contacts(self, t_s: float) -> list[Contact]:
+        """Fingertips never touch."""
         return []
 
     def tools(self, t_s: float) -> list[Body]:
-        """None."""
+        """No objects."""
         return []
 
     @property
@@ -59,23 +59,25 @@ class Loafer:
         return False
 
 
-def chaos(room: Room, rng: np.random.Generator) -> Play:
-    """For ever; the mug comes once."""
+def chaos(room: Room, rng: np.random.Generator) -> Scenario:
+    """Never ends; the mug comes once."""
     tapper = pointer(room, rng, _comes_and_goes)
     side = other(room.dominant)
-    actors = [tapper[1]]
+    motions = [tapper[1]]
     late = []
     for delay_s, closed in ((4.0, False), (17.0, True)):
-        performer = Performer(rng, away(room, side), side)
-        late.append(Loafer(room.user, side, Track(_visit(performer, delay_s), rng), closed))
-    return Play(room, [*actors, *late], tapper[0].steps, _mug)
+        timeline = Timeline(rng, away(room, side), side)
+        late.append(
+            RestingHand(room.user, side, TimelineReader(_visit(timeline, delay_s), rng), closed)
+        )
+    return Scenario(room, [*motions, *late], tapper[0].steps, _mug)
 
 
 def _mug(t_s: float) -> list[Body]:
     return [cup(40.0, 40.0, 36.0, 80.0)] if CUP_S[0] <= t_s < CUP_S[1] else []
 
 
-def _comes_and_goes(p: Performer) -> Iterator[Segment]:
+def _comes_and_goes(p: Timeline) -> Iterator[Segment]:
     home = {"x_mm": p.pose.x_mm, "y_mm": p.pose.y_mm, "height_mm": p.pose.height_mm}
     yield from p.hold(2.5)
     while True:
@@ -87,13 +89,13 @@ def _comes_and_goes(p: Performer) -> Iterator[Segment]:
         yield from p.hold(p.rng.uniform(0.5, 3.0))
 
 
-def _own_half(p: Performer) -> dict[str, float]:
+def _own_half(p: Timeline) -> dict[str, float]:
     """A place that the other hand leaves free."""
     x = p.rng.uniform(30.0, 105.0)
     return somewhere(p) | {"x_mm": 300.0 - x if p.side is Side.RIGHT else x}
 
 
-def _visit(p: Performer, delay_s: float) -> Iterator[Segment]:
+def _visit(p: Timeline, delay_s: float) -> Iterator[Segment]:
     """Every 26 s: lie on the table for a while, move about, and leave."""
     home = {"x_mm": p.pose.x_mm, "y_mm": p.pose.y_mm, "height_mm": 60.0}
     x = 60.0 if p.side is Side.LEFT else 240.0

@@ -1,4 +1,4 @@
-"""`demo`: hovers, taps, presses and strokes, for ever, all within the first five seconds."""
+"""`demo`: hovers, taps, presses and strokes, without end, all within the first five seconds."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment, plateau
+from halo_service.virtual.motion import Segment, Timeline, plateau
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import solo, somewhere
 from halo_service.virtual.skeleton import FingerPose
-from halo_service.virtual.stage import Play
 
 
-def demo(room: Room, rng: np.random.Generator) -> Play:
+def demo(room: Room, rng: np.random.Generator) -> Scenario:
     """One index finger over the table."""
     return solo(room, rng, _script, start=FingerPose(150.0, 110.0, 30.0, 0.0, 45.0, 0.0))
 
 
-def _script(p: Performer) -> Iterator[Segment]:
+def _script(p: Timeline) -> Iterator[Segment]:
     while True:
         yield from p.reach(0.6, **somewhere(p), height_mm=p.rng.uniform(8.0, 14.0))
         yield from p.reach(0.5, height_mm=p.rng.uniform(4.0, 7.0))
@@ -33,7 +33,7 @@ def _script(p: Performer) -> Iterator[Segment]:
         yield from p.reach(0.5, height_mm=p.rng.uniform(20.0, 45.0))
 
 
-def stroke(p: Performer) -> Iterator[Segment]:
+def stroke(p: Timeline) -> Iterator[Segment]:
     """A curved line of some centimetres towards the middle, with changing pressure."""
     x, y = p.pose.x_mm, p.pose.y_mm
     across = (150.0 - x) / 150.0 * 60.0 + p.rng.uniform(-40, 40)

@@ -1,4 +1,4 @@
-"""`drumming`: the dominant hand plays, the other hovers and bends the sound (paper, section 5's
+"""`drumming`: the dominant hand drums, the other hovers and bends the sound (paper, section 5's
 drum: the closer the hovering hand, the deeper)."""
 
 from __future__ import annotations
@@ -8,10 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from halo_service.values import Side
-from halo_service.virtual.motion import Performer, Segment, bump
+from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario, other
 from halo_service.virtual.scenarios.common import comfortable, pointer
-from halo_service.virtual.stage import Play, other
 
 TIMING_S = 0.012
 """How unevenly people drum, one sigma; published asynchronies of drummers are 10 to 20 ms."""
@@ -19,18 +19,18 @@ STROKES = ((0.0, 1.0), (0.5, 0.5), (1.0, 0.8), (1.5, 0.4), (2.0, 1.0), (2.5, 0.5
 """A bar: beat and accent."""
 
 
-def drumming(room: Room, rng: np.random.Generator) -> Play:
-    """For ever."""
+def drumming(room: Room, rng: np.random.Generator) -> Scenario:
+    """Never ends."""
     tempo_s = 60.0 / rng.uniform(84.0, 116.0)
     sign = 1.0 if room.dominant is Side.RIGHT else -1.0
-    players = [
+    hands = [
         pointer(room, rng, lambda p: _bars(p, tempo_s, sign)),
         pointer(room, rng, lambda p: _sway(p, sign), other(room.dominant)),
     ]
-    return Play(room, [actor for _, actor in players], players[0][0].steps)
+    return Scenario(room, [motion for _, motion in hands], hands[0][0].steps)
 
 
-def _bars(p: Performer, tempo_s: float, sign: float) -> Iterator[Segment]:
+def _bars(p: Timeline, tempo_s: float, sign: float) -> Iterator[Segment]:
     """Two drums, 5 cm apart, on the hand's own side."""
     yield from p.hold(2.5)
     yield from p.reach(1.0, x_mm=150.0 + sign * 60.0, y_mm=100.0, height_mm=30.0)
@@ -53,7 +53,7 @@ def _bars(p: Performer, tempo_s: float, sign: float) -> Iterator[Segment]:
         bar_s += 4.0 * tempo_s
 
 
-def _sway(p: Performer, sign: float) -> Iterator[Segment]:
+def _sway(p: Timeline, sign: float) -> Iterator[Segment]:
     """Up and down, slowly, with rests."""
     yield from p.hold(2.7)
     yield from p.reach(1.0, x_mm=150.0 - sign * 75.0, y_mm=100.0, height_mm=40.0, **comfortable(p))

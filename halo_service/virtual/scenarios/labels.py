@@ -1,4 +1,4 @@
-"""`labels`: taps and strokes exactly when somebody really touched a tablet.
+"""`labels`: taps and strokes at the times when real people touched a tablet.
 
 Rule: a label file is `touch_id, event, x, y, epoch_ms` a line, with events `touchdown`,
 `touchmove`, `touchend`. Lines may be out of order, touches may never end: that is what real
@@ -14,23 +14,23 @@ from pathlib import Path
 import numpy as np
 
 from halo_service.errors import UserError
-from halo_service.virtual.motion import SHORTEST_S, Performer, Segment, bump
+from halo_service.virtual.motion import SHORTEST_S, Segment, Timeline, bump
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario, other
 from halo_service.virtual.scenarios.common import pointer
-from halo_service.virtual.stage import Play, other
 
 EDGE_MM = 30.0
 LEAD_S = 4.0
-"""From the play's start to the first touch."""
+"""From the scenario's start to the first touch."""
 LEAST_S = 0.004
-"""The shortest touch that is played; a label's clock has steps of about that."""
+"""The shortest touch that is drawn; a label's clock has steps of about that."""
 GAP_S = 4.0
 """Longer pauses are cut to this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Label:
-    """One touch: times in s from the play's start, and where it went."""
+    """One touch: times in s from the scenario's start, and where it went."""
 
     from_s: float
     to_s: float
@@ -98,7 +98,7 @@ def touches(room: Room) -> list[Label]:
     return read(Path(room.labels))
 
 
-def labels(room: Room, rng: np.random.Generator) -> Play:
+def labels(room: Room, rng: np.random.Generator) -> Scenario:
     """Both index fingers; a touch that neither can reach in time is left out. Ends by itself."""
     mine: list[Label] = []
     others: list[Label] = []
@@ -107,13 +107,13 @@ def labels(room: Room, rng: np.random.Generator) -> Play:
             if not hand or label.from_s - hand[-1].to_s > SHORTEST_S + 0.01:
                 hand.append(label)
                 break
-    players = [pointer(room, rng, lambda p: _taps(p, mine))]
+    hands = [pointer(room, rng, lambda p: _taps(p, mine))]
     if others:
-        players.append(pointer(room, rng, lambda p: _taps(p, others), other(room.dominant)))
-    return Play(room, [actor for _, actor in players])
+        hands.append(pointer(room, rng, lambda p: _taps(p, others), other(room.dominant)))
+    return Scenario(room, [motion for _, motion in hands])
 
 
-def _taps(p: Performer, mine: list[Label]) -> Iterator[Segment]:
+def _taps(p: Timeline, mine: list[Label]) -> Iterator[Segment]:
     yield from p.hold(2.5)
     x, y = mine[0].places_mm[0]
     yield from p.reach(0.9, x_mm=float(x), y_mm=float(y), height_mm=20.0)
@@ -122,7 +122,7 @@ def _taps(p: Performer, mine: list[Label]) -> Iterator[Segment]:
     yield from p.reach(0.3, height_mm=25.0)
 
 
-def _touch(p: Performer, label: Label) -> Iterator[Segment]:
+def _touch(p: Timeline, label: Label) -> Iterator[Segment]:
     seconds = label.to_s - label.from_s
 
     def slide(s: float) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""`painting`: strokes whose pressure changes along the way, for ever."""
+"""`painting`: strokes whose pressure changes along the way, without end."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment, smooth
+from halo_service.virtual.motion import Segment, Timeline, smooth
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import solo, somewhere
-from halo_service.virtual.stage import Play
 
 SPEED_MM_S = (40.0, 160.0)
 """Of a drawing finger, chosen."""
 EDGE_MM = 25.0
 
 
-def painting(room: Room, rng: np.random.Generator) -> Play:
+def painting(room: Room, rng: np.random.Generator) -> Scenario:
     """One index finger."""
     return solo(room, rng, _strokes)
 
 
-def _strokes(p: Performer) -> Iterator[Segment]:
+def _strokes(p: Timeline) -> Iterator[Segment]:
     yield from p.hold(2.5)
     yield from p.reach(1.0, **somewhere(p), height_mm=20.0)
     while True:
@@ -31,7 +31,7 @@ def _strokes(p: Performer) -> Iterator[Segment]:
         yield from p.reach(p.rng.uniform(0.4, 0.8), lift_mm=8.0, **somewhere(p))
 
 
-def _stroke(p: Performer) -> Iterator[Segment]:
+def _stroke(p: Timeline) -> Iterator[Segment]:
     """A smooth curve through three more points."""
     begin = np.array([p.pose.x_mm, p.pose.y_mm])
     low, high = np.full(2, EDGE_MM), np.array([WIDTH_MM, HEIGHT_MM]) - EDGE_MM

@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.demo import demo
-from halo_service.virtual.stage import Play
 
 PICTURE = "colours"
-"""What is thrown where nothing is asked for."""
+"""The picture if the URL names none."""
 
 
 def lit(room: Room) -> Room:
@@ -19,6 +19,6 @@ def lit(room: Room) -> Room:
     return room if room.projected else dataclasses.replace(room, projected=PICTURE)
 
 
-def projector(room: Room, rng: np.random.Generator) -> Play:
+def projector(room: Room, rng: np.random.Generator) -> Scenario:
     """As `demo`."""
     return demo(room, rng)

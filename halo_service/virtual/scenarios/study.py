@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment, bump
+from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import comfortable, solo
-from halo_service.virtual.stage import Play
 
 GRID, CELL_MM = 4, 50.0
 """Sixteen targets: the centres of 5 cm cells in 20x20 cm."""
@@ -32,12 +32,12 @@ def targets() -> list[tuple[float, float]]:
     return [(WIDTH_MM / 2.0 + x, HEIGHT_MM / 2.0 + y) for y in offsets for x in offsets]
 
 
-def pointing(room: Room, rng: np.random.Generator) -> Play:
-    """Sets of sixteen touches in random order, regular and swift by turns, for ever."""
+def pointing(room: Room, rng: np.random.Generator) -> Scenario:
+    """Sets of sixteen touches in random order, regular and swift in turn, without end."""
     return solo(room, rng, _sets)
 
 
-def _sets(p: Performer) -> Iterator[Segment]:
+def _sets(p: Timeline) -> Iterator[Segment]:
     yield from p.hold(2.5)
     yield from p.reach(1.0, x_mm=150.0, y_mm=110.0, height_mm=22.0)
     while True:
@@ -45,7 +45,7 @@ def _sets(p: Performer) -> Iterator[Segment]:
             yield from p.step(name, _set(p, low, high))
 
 
-def _set(p: Performer, low_s: float, high_s: float) -> Iterator[Segment]:
+def _set(p: Timeline, low_s: float, high_s: float) -> Iterator[Segment]:
     order = p.rng.permutation(GRID * GRID)
     for target in (targets()[k] for k in order):
         x, y = p.rng.normal(target, AIM_MM)
@@ -59,20 +59,20 @@ def _set(p: Performer, low_s: float, high_s: float) -> Iterator[Segment]:
         )
 
 
-def hover(room: Room, rng: np.random.Generator) -> Play:
+def hover(room: Room, rng: np.random.Generator) -> Scenario:
     """The five heights, held twice each in random order; ends by itself."""
     return solo(room, rng, lambda p: _levels(p, HEIGHTS_MM, _hold_height))
 
 
-def pressure(room: Room, rng: np.random.Generator) -> Play:
+def pressure(room: Room, rng: np.random.Generator) -> Scenario:
     """The five forces, held twice each in random order; ends by itself."""
     return solo(room, rng, lambda p: _levels(p, FORCES_G, _hold_force))
 
 
 def _levels(
-    p: Performer,
+    p: Timeline,
     levels: tuple[float, ...],
-    held: Callable[[Performer, float], Iterator[Segment]],
+    held: Callable[[Timeline, float], Iterator[Segment]],
 ) -> Iterator[Segment]:
     yield from p.hold(2.5)
     yield from p.reach(1.2, x_mm=150.0, y_mm=100.0, height_mm=30.0, pitch_deg=45.0)
@@ -85,14 +85,14 @@ def _levels(
             yield from held(p, float(level))
 
 
-def _hold_height(p: Performer, height_mm: float) -> Iterator[Segment]:
+def _hold_height(p: Timeline, height_mm: float) -> Iterator[Segment]:
     yield from p.reach(0.7, height_mm=height_mm)
     yield from p.hold(0.4)
     yield from p.step("hover", p.hold(HOLD_S), height_mm=height_mm)
     yield from p.reach(0.4, height_mm=25.0)
 
 
-def _hold_force(p: Performer, force_g: float) -> Iterator[Segment]:
+def _hold_force(p: Timeline, force_g: float) -> Iterator[Segment]:
     seconds = HOLD_S + 1.0
     phase = p.rng.uniform(0.0, 2.0 * np.pi)
 

@@ -1,4 +1,4 @@
-"""`ten-fingers`: both hands open, every finger taps in its turn, for ever."""
+"""`ten-fingers`: both hands open, every finger taps in turn, without end."""
 
 from __future__ import annotations
 
@@ -9,29 +9,31 @@ import numpy as np
 from halo_service.values import Finger, Side
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.hand import open_hand
-from halo_service.virtual.motion import Contact, Performer, Segment, bump
+from halo_service.virtual.motion import Contact, Segment, Timeline, bump
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import away
 from halo_service.virtual.skeleton import FingerPose, HandPose, User
-from halo_service.virtual.stage import Play
-from halo_service.virtual.track import SWAY_MM, Track
+from halo_service.virtual.timeline import SWAY_MM, TimelineReader
 
 REST_MM = 11.0
-"""Height of the fingers that wait, chosen; a playing finger's neighbours move along a little."""
+"""Height of the fingers that wait, chosen; a tapping finger's neighbours move along a little."""
 HANG_DEG = 55.0
 """Pitch of the index finger as the hand hangs over the table, chosen."""
 SPREAD_DEG = 6.0
 
 
 class OpenHand:
-    """A hand with five time lines: of each only height and force count."""
+    """A hand with five timelines, which give each finger's height and force."""
 
-    def __init__(self, user: User, side: Side, palm: Track, fingers: dict[Finger, Track]) -> None:
+    def __init__(
+        self, user: User, side: Side, palm: TimelineReader, fingers: dict[Finger, TimelineReader]
+    ) -> None:
         self._user, self._side = user, side
         self._palm, self._fingers = palm, fingers
 
     def pose(self, t_s: float) -> HandPose | None:
-        """The palm where its time line has it, the fingers at their heights above the table."""
+        """The palm where its timeline has it, the fingers at their heights above the table."""
         palm = self._palm.at(t_s)
         lifted = max(0.0, palm.height_mm - REST_MM - SWAY_MM)  # fingers do not sway with it
         aims = {finger: track.at(t_s) for finger, track in self._fingers.items()}
@@ -44,12 +46,14 @@ class OpenHand:
             SPREAD_DEG,
         )
 
-    def begun(self, t_s: float) -> list[Contact]:
+    def started_contacts(self, t_s: float) -> list[Contact]:
         """Of all fingers."""
-        return [contact for track in self._fingers.values() for contact in track.begun(t_s)]
+        return [
+            contact for track in self._fingers.values() for contact in track.started_contacts(t_s)
+        ]
 
     def tools(self, t_s: float) -> list[Body]:
-        """None."""
+        """No objects."""
         return []
 
     @property
@@ -58,24 +62,24 @@ class OpenHand:
         return False
 
 
-def ten_fingers(room: Room, rng: np.random.Generator) -> Play:
+def ten_fingers(room: Room, rng: np.random.Generator) -> Scenario:
     """Five fingers each, at most one of a hand down at a time."""
-    return Play(room, [_hand(room, rng, side) for side in (Side.LEFT, Side.RIGHT)])
+    return Scenario(room, [_hand(room, rng, side) for side in (Side.LEFT, Side.RIGHT)])
 
 
 def _hand(room: Room, rng: np.random.Generator, side: Side) -> OpenHand:
-    palm = Performer(rng, away(room, side), side)
+    palm = Timeline(rng, away(room, side), side)
     order = [Finger(int(k)) for _ in range(60) for k in rng.permutation(5)]
     rhythm = rng.uniform(0.55, 0.8)
     fingers = {}
     for finger in Finger:
         start = FingerPose(0.0, 0.0, REST_MM)
-        performer = Performer(rng, start, side, finger)
-        fingers[finger] = Track(_taps(performer, order, rhythm), rng)
-    return OpenHand(room.user, side, Track(_palm(palm), rng), fingers)
+        timeline = Timeline(rng, start, side, finger)
+        fingers[finger] = TimelineReader(_taps(timeline, order, rhythm), rng)
+    return OpenHand(room.user, side, TimelineReader(_palm(palm), rng), fingers)
 
 
-def _palm(p: Performer) -> Iterator[Segment]:
+def _palm(p: Timeline) -> Iterator[Segment]:
     """Comes, and then drifts about a little between the taps."""
     x = 225.0 if p.side is Side.RIGHT else 75.0
     inwards = -10.0 if p.side is Side.RIGHT else 10.0
@@ -86,7 +90,7 @@ def _palm(p: Performer) -> Iterator[Segment]:
         yield from p.hold(30.0)
 
 
-def _taps(p: Performer, order: list[Finger], rhythm_s: float) -> Iterator[Segment]:
+def _taps(p: Timeline, order: list[Finger], rhythm_s: float) -> Iterator[Segment]:
     """This finger's share of the common order, over and over."""
     yield from p.hold(4.5)
     begin_s, turn = p.now_s, 0

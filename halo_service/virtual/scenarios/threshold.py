@@ -1,7 +1,7 @@
-"""`threshold`: one key is tapped again and again, the finger rising but a little between.
+"""`threshold`: one key is tapped many times; the finger rises only a little between taps.
 
-How little it may rise for the next tap to be told is what the paper calls the touch point
-threshold (5.3.4). Each re-tap is a step `retap` of the script, with its `lift_mm`.
+The smallest rise after which the next tap is still reported is what the paper calls the touch
+point threshold (5.3.4). Each re-tap is a step `retap` of the script, with its `lift_mm`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halo_service.virtual.motion import Performer, Segment, bump
+from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import comfortable, solo
-from halo_service.virtual.stage import Play
 
 LIFTS_MM = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
 """Around the paper's 4.97 mm and the 2 mm that is aimed for."""
@@ -28,12 +28,12 @@ AWAY_MM = 20.0
 """Between two rounds the finger rises this far and moves to another spot."""
 
 
-def threshold(room: Room, rng: np.random.Generator) -> Play:
+def threshold(room: Room, rng: np.random.Generator) -> Scenario:
     """Rounds of one tap and a re-tap for each lift, in random order; ends by itself."""
     return solo(room, rng, _rounds)
 
 
-def _rounds(p: Performer) -> Iterator[Segment]:
+def _rounds(p: Timeline) -> Iterator[Segment]:
     yield from p.hold(2.5)
     yield from p.reach(1.2, x_mm=150.0, y_mm=100.0, height_mm=AWAY_MM)
     for _ in range(ROUNDS):
@@ -46,13 +46,13 @@ def _rounds(p: Performer) -> Iterator[Segment]:
         yield from p.reach(0.3, height_mm=AWAY_MM)
 
 
-def _retap(p: Performer, lift_mm: float) -> Iterator[Segment]:
+def _retap(p: Timeline, lift_mm: float) -> Iterator[Segment]:
     yield from p.reach(UP_S, height_mm=lift_mm)
     yield from p.hold(ABOVE_S)
     yield from p.strike(DOWN_S)
     yield from _pressed(p)
 
 
-def _pressed(p: Performer) -> Iterator[Segment]:
+def _pressed(p: Timeline) -> Iterator[Segment]:
     force_g = float(np.clip(p.rng.lognormal(np.log(55.0), 0.35), 15.0, 250.0))
     yield from p.press(p.rng.uniform(*HOLD_S), bump(force_g))

@@ -1,4 +1,4 @@
-"""`typing`: phrases on a keyboard of 16 mm keys, with both index fingers, for ever.
+"""`typing`: phrases on a keyboard of 16 mm keys, with both index fingers, without end.
 
 Speed, rhythm and scatter are of people who type with two fingers on glass. The paper's
 participants reached 26 words a minute when they balanced speed and accuracy (5.3): 0.45 s a key.
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.values import Side
-from halo_service.virtual.motion import Performer, Segment, bump
+from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import WIDTH_MM, Room
+from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import comfortable, pointer
-from halo_service.virtual.stage import Play
 from halo_type.layout import SPACE, Key, keyboard
 from halo_type.layout import WIDTH_MM as KEYBOARD_MM
 from halo_type.phrases import PHRASES
@@ -26,14 +26,14 @@ TOP_MM = 70.0
 SPREAD = 0.25
 """Sigma of the logarithm of the time from key to key."""
 LONGEST_S = 1.2
-"""Nobody rests for longer within a phrase."""
+"""The longest pause within a phrase."""
 BEGIN_S, PAUSE_S = 4.5, 2.0
 """Before the first key, and between phrases."""
 
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """How somebody types."""
+    """How a user types."""
 
     key_s: float
     """Median time from key to key."""
@@ -71,7 +71,7 @@ def keys() -> dict[str, Key]:
 
 
 def plan(seed: int, style: Style = BALANCED) -> Iterator[Stroke]:
-    """What is typed when and by which hand, for ever; the same for both hands that read it."""
+    """Which key each hand hits, and when, without end; both hands read the same plan."""
     rng = np.random.default_rng([seed, 4])
     layout, when_s = keys(), BEGIN_S
     while True:
@@ -89,30 +89,30 @@ def plan(seed: int, style: Style = BALANCED) -> Iterator[Stroke]:
             when_s += PAUSE_S
 
 
-def typing(room: Room, rng: np.random.Generator) -> Play:
+def typing(room: Room, rng: np.random.Generator) -> Scenario:
     """Speed and accuracy in balance."""
     return _typed(room, rng, BALANCED)
 
 
-def accurate(room: Room, rng: np.random.Generator) -> Play:
+def accurate(room: Room, rng: np.random.Generator) -> Scenario:
     """Accuracy first."""
     return _typed(room, rng, ACCURATE)
 
 
-def fast(room: Room, rng: np.random.Generator) -> Play:
+def fast(room: Room, rng: np.random.Generator) -> Scenario:
     """Speed first."""
     return _typed(room, rng, FAST)
 
 
-def _typed(room: Room, rng: np.random.Generator, style: Style) -> Play:
+def _typed(room: Room, rng: np.random.Generator, style: Style) -> Scenario:
     """The left hand types the left half; the space bar goes to the hand that typed last."""
-    actors = []
+    motions = []
     for side in (Side.LEFT, Side.RIGHT):
-        actors.append(pointer(room, rng, lambda p: _strokes(p, room.seed, style), side)[1])
-    return Play(room, actors)
+        motions.append(pointer(room, rng, lambda p: _strokes(p, room.seed, style), side)[1])
+    return Scenario(room, motions)
 
 
-def _strokes(p: Performer, seed: int, style: Style) -> Iterator[Segment]:
+def _strokes(p: Timeline, seed: int, style: Style) -> Iterator[Segment]:
     mine = (stroke for stroke in plan(seed, style) if stroke.side is p.side)
     home = WIDTH_MM / 2.0 + (45.0 if p.side is Side.RIGHT else -45.0)
     yield from p.hold(2.5)

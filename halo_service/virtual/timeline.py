@@ -1,6 +1,6 @@
-"""Reading a time line: the pose at any time, with the life that no script writes down.
+"""Read a timeline: the pose at any time, with tremor and sway added.
 
-Rule: pure; time comes in by the door.
+Rule: pure; time is an argument.
 """
 
 from __future__ import annotations
@@ -20,31 +20,31 @@ SWAY_MM = 0.5
 """Amplitude of a held arm's slow sway, chosen."""
 
 
-class Track:
-    """A time line that writes itself as far as it is read."""
+class TimelineReader:
+    """Reads segments as far as time has come."""
 
     def __init__(self, segments: Iterator[Segment], rng: np.random.Generator) -> None:
         self._source = segments
         self._recent: list[Segment] = []
-        self._begun: list[Contact] = []
+        self._started: list[Contact] = []
         self.finished = False
-        """Whether the time line has come to its end; the last pose is kept for ever."""
+        """Whether the timeline has ended; the last pose then stays."""
         self._phase = rng.uniform(0.0, 2.0 * np.pi, (3, 4))
         self._pace = np.concatenate([rng.uniform(0.3, 0.9, (3, 2)), rng.uniform(8, 12, (3, 2))], 1)
 
     def at(self, t_s: float) -> FingerPose:
         """The pose at a time; times may not go back by more than a second."""
         segment = self._segment(t_s)
-        return self._alive(segment.pose(min(t_s, segment.end_s)), t_s)
+        return self._with_tremor(segment.pose(min(t_s, segment.end_s)), t_s)
 
     def tool_at(self, t_s: float) -> str | None:
         """What the finger rests on."""
         return self._segment(t_s).tool
 
-    def begun(self, t_s: float) -> list[Contact]:
-        """Touches that have begun since the last call."""
-        ready = [c for c in self._begun if c.from_s <= t_s]
-        self._begun = [c for c in self._begun if c.from_s > t_s]
+    def started_contacts(self, t_s: float) -> list[Contact]:
+        """Touches that started since the last call."""
+        ready = [c for c in self._started if c.from_s <= t_s]
+        self._started = [c for c in self._started if c.from_s > t_s]
         return ready
 
     def _segment(self, t_s: float) -> Segment:
@@ -54,14 +54,14 @@ class Track:
                 self.finished = True
                 return self._recent[-1]
             if segment.contact is not None:
-                self._begun.append(segment.contact)
+                self._started.append(segment.contact)
             self._recent = [s for s in self._recent if s.end_s > t_s - 1.0] + [segment]
         for segment in reversed(self._recent):
             if segment.start_s <= t_s:
                 return segment
         return self._recent[0]
 
-    def _alive(self, pose: FingerPose, t_s: float) -> FingerPose:
+    def _with_tremor(self, pose: FingerPose, t_s: float) -> FingerPose:
         """Add tremor and sway; none in height at contact, little along the table."""
         waves = np.sin(2.0 * np.pi * self._pace * t_s + self._phase)
         shake = waves @ np.array([SWAY_MM, SWAY_MM, TREMOR_MM, TREMOR_MM]) / 2.0

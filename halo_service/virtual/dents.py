@@ -1,6 +1,6 @@
 """From a posed hand to the dents it makes: which of its points hang low over the table.
 
-Rule: places and heights only; how deep a dent is stands in `halo`.
+Rule: places and heights only; `halo` has how deep a dent is.
 """
 
 from __future__ import annotations

@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from filelock import FileLock
+
 
 @contextmanager
 def appearing(path: Path) -> Iterator[BinaryIO]:
@@ -47,6 +49,19 @@ def from_home(path: str) -> Path:
 def is_special(path: Path) -> bool:
     """Say whether there is a pipe, a device or the like, which can only be written to."""
     return path.exists() and not path.is_file() and not path.is_dir()
+
+
+LOCK_WAIT_S = 10.0
+"""Saving takes a fraction of a second; a program that holds a lock longer hangs."""
+
+
+def folder_lock(folder: Path) -> FileLock:
+    """Return a folder's lock for `with`: one writer at a time, over processes.
+
+    The system releases it when its process is killed. Raises `filelock.Timeout`, an OSError,
+    where another process holds it for `LOCK_WAIT_S`.
+    """
+    return FileLock(folder / ".lock", timeout=LOCK_WAIT_S, poll_interval=0.02)
 
 
 BYTE_ORDER_MARKS = {

@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from filelock import Timeout
 from platformdirs import user_data_path
 
 from halo_service.errors import UserError
-from halo_service.files import from_home
+from halo_service.files import folder_lock, from_home
 from halo_service.geometry.camera import Camera, Lens
-from halo_service.profile.lock import locked
 from halo_service.profile.model import Profile
 from halo_service.profile.serialization import ARRAYS, FORMAT, array_files, from_json, to_json
 
@@ -65,7 +65,7 @@ def save(profile: Profile, folder: Path) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder):
+        with folder_lock(folder):
             _write(profile, folder)
     except OSError as error:
         raise _unwritable(folder, error) from error
@@ -78,7 +78,7 @@ def amend(folder: Path, change: Callable[[Profile | None], Profile]) -> Profile:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder):
+        with folder_lock(folder):
             before = load(folder) if exists(folder) else None
             revision = before.revision + 1 if before else 1
             after = replace(change(before), revision=revision)
@@ -189,7 +189,9 @@ def _replace(path: Path, content: bytes) -> None:
 
 
 def _unwritable(folder: Path, error: OSError) -> UserError:
+    busy = isinstance(error, Timeout)
+    reason = "another program is writing it" if busy else error.strerror or error
     return UserError(
-        f"the profile {folder} cannot be written ({error.strerror or error}); choose another "
+        f"the profile {folder} cannot be written ({reason}); choose another "
         f"place with --profile, or free some space"
     )

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from halo_service.errors import UserError
+from halo_service.files import folder_lock
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
@@ -271,3 +272,15 @@ def test_a_profile_from_before_dents_is_read_and_knows_none(
     assert (told.correction.dent, told.correction.dent_by_pitch) == (None, None)
     np.testing.assert_array_equal(told.correction.samples[:, :5], old.samples)
     assert np.isnan(told.correction.samples[:, 5]).all()
+
+
+def test_a_profile_that_another_program_writes_is_one_sentence(
+    profile: Profile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("halo_service.files.LOCK_WAIT_S", 0.05)
+    with (
+        folder_lock(tmp_path),
+        pytest.raises(UserError, match="another program is writing it"),
+    ):
+        save(profile, tmp_path)
+    save(profile, tmp_path)

@@ -25,9 +25,9 @@ from halo_service.evaluation.study.recording import (
     restore,
     save,
 )
+from halo_service.files import folder_lock
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
-from halo_service.profile.lock import locked
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import Take
@@ -71,7 +71,7 @@ class Studio:
             yield
             return
         self.folder.mkdir(parents=True, exist_ok=True)
-        with locked(self.folder):
+        with folder_lock(self.folder):
             for left in self.folder.glob("*/.*.part"):
                 left.unlink()
             yield

@@ -20,6 +20,7 @@ from multiprocessing import connection
 from typing import Any
 
 import cv2
+from filelock import Timeout
 
 from halo_calibration.errors import Refused
 from halo_service.errors import UserError
@@ -31,7 +32,6 @@ from halo_service.evaluation.study.judge import judged
 from halo_service.evaluation.study.plan import CALIBRATION, Person, Plan, Task
 from halo_service.evaluation.study.recording import load, restore
 from halo_service.evaluation.study.sense import Remembered, together
-from halo_service.profile.lock import Busy
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.sim_url import parse_sim_url
@@ -79,7 +79,7 @@ def run(order: Order, progress: Progress) -> tuple[Result, ...]:
             "a process of the bench was ended from outside, perhaps for want of memory: run the "
             "same command again, it goes on where it was; --jobs 1 needs least"
         ) from error
-    except Busy as error:
+    except Timeout as error:
         raise UserError(
             f"another run is filling {order.studio.folder}: wait for it to end, or choose another "
             f"place with --keep"

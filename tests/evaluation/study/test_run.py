@@ -81,7 +81,7 @@ def test_a_kept_take_of_labels_is_judged_without_its_label_file(studio: Studio) 
 def test_a_folder_that_another_run_is_filling_is_told_as_that(
     studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("halo_service.profile.lock.WAIT_S", 0.05)
+    monkeypatch.setattr("halo_service.files.LOCK_WAIT_S", 0.05)
     order = Order({PERSON: (SHORT,)}, ("ours",), studio, SensingSettings(), 1)
     with studio.to_itself(), pytest.raises(UserError, match=r"another run is filling .*: wait"):
         run(order, lambda _: None)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.settings import Settings
 from halo_service.virtual.materials import MATERIALS

@@ -21,8 +21,8 @@ from halo_calibration.session import Session
 from halo_calibration.steps import Setup, sweep, sweep_change
 from halo_calibration.sweep import SWEEP_S
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_profile import virtual_profile
-from halo_service.app.virtual_user import STATED, VirtualUser
+from halo_service.app.virtual_user.profile import virtual_profile
+from halo_service.app.virtual_user.user import STATED, VirtualUser
 from halo_service.profile import Profile
 from halo_service.sensing.correction import strength
 from halo_service.settings import Settings

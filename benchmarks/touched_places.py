@@ -17,7 +17,7 @@ import numpy as np
 
 from halo_calibration.homography import mapped
 from halo_service.app.cli import main as halo
-from halo_service.app.virtual_user import AREA
+from halo_service.app.virtual_user.user import AREA
 from halo_service.geometry.camera import Points
 from halo_service.profile import Profile
 from halo_service.profile.store import load

@@ -34,7 +34,7 @@ from halo_paint.painter import Painter
 from halo_paint.render import painted, save
 from halo_protocol import TouchFrame
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.outputs.jsonl import frame_line
 from halo_service.runtime.method import OURS
 from halo_service.runtime.replay import replay

@@ -10,7 +10,7 @@ import numpy as np
 
 from halo_calibration.boards import Projected
 from halo_calibration.guided import Cue
-from halo_service.app.virtual_user import VirtualUser
+from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.outputs.recorder import Recorder
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room

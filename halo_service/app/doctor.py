@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from halo_calibration.base import VIRTUAL, pilot_path
-from halo_service.app.calibrate import missing
+from halo_service.app.calibration_ui.calibrate import missing
 from halo_service.errors import UserError
 from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path

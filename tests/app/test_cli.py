@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
+from halo_service.app.parser import COMMANDS, parse
 
 HALO = Path(sys.executable).with_name("halo")
 
@@ -106,8 +107,59 @@ def test_libraries_are_heard_only_when_they_warn(tmp_path: Path) -> None:
     assert "halo: matplotlib.font_manager warns" in said
 
 
-@pytest.mark.parametrize("verb", [[], ["serve"], ["replay"], ["monitor"]])
-def test_help_helps(verb: list[str], tmp_path: Path) -> None:
-    result = halo(*verb, "--help", cwd=tmp_path)
-    assert result.returncode == 0
-    assert "usage: halo" in result.stdout
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["srve"], "halo: unknown command 'srve'; did you mean 'serve'?"),
+        (["xyz"], "halo: unknown command 'xyz'; choose from: serve, monitor, demo,"),
+        (["--verson"], "halo: unknown option '--verson'; did you mean '--version'?"),
+        (
+            ["serve", "--sorce", "x"],
+            "halo serve: unknown option '--sorce'; did you mean '--source'?",
+        ),
+        (["replay", "x.mkv", "--jsnl", "y"], "unknown option '--jsnl'; did you mean '--jsonl'?"),
+        (["monitor", "--frm=x"], "halo monitor: unknown option '--frm'; did you mean '--from'?"),
+        (["profile", "lst"], "halo profile: unknown action 'lst'; did you mean 'list'?"),
+        (["calibrate", "tuch"], "halo calibrate: unknown step 'tuch'; did you mean 'touch'?"),
+        (["demo", "drms"], "halo demo: unknown client 'drms'; did you mean 'drums'?"),
+        (["bench", "--hands", "3"], "halo bench: unknown --hands '3'; choose from: 1, 2"),
+        (["record", "a.mkv", "b.mkv"], "halo record: unexpected argument 'b.mkv'"),
+    ],
+)
+def test_a_typo_gets_the_nearest_word_and_exit_2(
+    arguments: list[str], says: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(arguments)
+    assert left.value.code == 2
+    assert says in capfd.readouterr().err
+
+
+def test_a_demo_forwards_the_options_that_it_does_not_know() -> None:
+    options = parse(["demo", "drums", "--source", "sim:demo", "--mute", "--rate", "3"])
+    assert options.source == "sim:demo"
+    assert options.rest == ["--mute", "--rate", "3"]
+
+
+HEAVY = ("numpy", "cv2", "mediapipe", "zenoh", "sklearn", "scipy", "av", "rich", "pydantic")
+IMPORTS = """
+import sys
+from halo_service.app.cli import main
+try:
+    main(sys.argv[2:])
+except SystemExit:
+    pass
+print("imported:", *(name for name in sys.argv[1].split(",") if name in sys.modules))
+"""
+
+
+@pytest.mark.parametrize(
+    "verb", [[], *([name] for name in COMMANDS)], ids=lambda verb: " ".join(verb)
+)
+def test_help_has_an_example_and_imports_nothing_heavy(verb: list[str]) -> None:
+    script = [sys.executable, "-c", IMPORTS, ",".join(HEAVY), *verb, "--help"]
+    result = subprocess.run(script, capture_output=True, text=True, timeout=60)
+    *shown, imported = result.stdout.splitlines()
+    assert imported == "imported:"
+    assert shown[0].startswith(" ".join(["usage: halo", *verb]))
+    assert shown[-1].startswith("  halo " if verb else "'halo COMMAND --help'")

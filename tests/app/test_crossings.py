@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halo_service.app.crossings import REACH_MM, Finger, Grid
+from halo_service.app.verification.crossings import REACH_MM, Finger, Grid
 
 SIZE = (1280, 800)
 PLAIN = np.array([[4.0, 0.0, 40.0], [0.0, 4.0, 0.0], [0.0, 0.0, 1.0]])

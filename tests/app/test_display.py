@@ -7,7 +7,7 @@ import importlib.util
 import numpy as np
 import pytest
 
-from halo_service.app.display import Display
+from halo_service.app.projector.display import Display
 from halo_service.errors import UserError
 
 

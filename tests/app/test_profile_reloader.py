@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halo_service.app.profile_reloader import ProfileReloader
+from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import from_view

@@ -15,7 +15,7 @@ import pytest
 from halo_calibration.boards import SHEET
 from halo_calibration.guided import CUES, Cue
 from halo_service.app.cli import main
-from halo_service.app.virtual_user import STATES
+from halo_service.app.virtual_user.user import STATES
 from halo_service.geometry.camera import Points
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile.store import load

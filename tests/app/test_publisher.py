@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halo_protocol as wire
-from halo_service.app.publisher import Publisher
+from halo_service.app.service.publisher import Publisher
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.profile import Anchor, Profile, Projector
 from halo_service.sensing import SensingSettings, start

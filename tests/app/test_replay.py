@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.outputs.jsonl import frame_line
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile

@@ -16,7 +16,7 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.cli import main
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector
 from halo_service.profile.store import load, save
@@ -169,6 +169,6 @@ def test_a_service_that_is_not_there_is_a_sentence(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr("halo_service.app.verify_heard.WAIT_S", 0.5)
+    monkeypatch.setattr("halo_service.app.verification.remote.WAIT_S", 0.5)
     assert main(["verify", "--from", f"osc://127.0.0.1:{free_port()}", "--window"]) == 2
     assert "is not heard: start 'halo serve'" in capsys.readouterr().err

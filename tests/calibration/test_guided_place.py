@@ -17,7 +17,7 @@ from halo_calibration.guided_place import GuidedPlace
 from halo_calibration.guided_projector import GuidedProjector
 from halo_calibration.session import Session
 from halo_calibration.steps import Setup
-from halo_service.app.virtual_user import VirtualUser
+from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Frame, Tracked

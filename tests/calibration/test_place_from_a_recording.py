@@ -10,7 +10,7 @@ import pytest
 from halo_calibration.boards import ANCHOR, SHEET
 from halo_calibration.guided import CUES, Cue
 from halo_service.app.cli import main
-from halo_service.app.virtual_user import MARKER_AT, SHEET_AT
+from halo_service.app.virtual_user.user import MARKER_AT, SHEET_AT
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.profile.store import load, save
 from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
@@ -25,24 +25,24 @@ from halo_service.virtual.sim_url import parse_sim_url
         (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover-5, pointing-20"),
         (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
         (["--kept-only"], "no kept takes of these users and materials"),
-        (["--truth", "t.jsonl", "--tasks", "juggling"], "the study, which has no use for --truth:"),
-        (["--source", "recording:x", "--tasks", "juggling"], "has no use for --source:"),
-        (["--no-colour", "--tasks", "juggling"], "has no use for --no-colour: leave"),
-        (["--profile", "desk", "--tasks", "juggling"], "has no use for --profile: leave --profile"),
-        (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick has no use for --lab"),
-        (["--kept-only", "--labels", "nowhere"], "--kept-only has no use for --labels:"),
-        (["--kept-only", "--quick"], "--kept-only has no use for --quick:"),
+        (["--truth", "t.jsonl", "--tasks", "juggling"], "the study, which does not use --truth:"),
+        (["--source", "recording:x", "--tasks", "juggling"], "does not use --source:"),
+        (["--no-colour", "--tasks", "juggling"], "does not use --no-colour: leave"),
+        (["--profile", "desk", "--tasks", "juggling"], "does not use --profile: leave --profile"),
+        (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick does not use --lab"),
+        (["--kept-only", "--labels", "nowhere"], "--kept-only does not use --labels:"),
+        (["--kept-only", "--quick"], "--kept-only does not use --quick:"),
         (
             ["--each", "--markdown", "--tasks", "juggling"],
-            "--each has no use for --markdown: leave",
+            "--each does not use --markdown: leave",
         ),
-        (["--csv", "-", "--each", "--tasks", "juggling"], "--csv - has no use for --each: leave"),
-        (["--csv", "-", "--markdown"], "--csv - has no use for --markdown: leave --markdown out"),
-        (["--live", "here", "--quick"], "--live has no use for --quick, --keep: leave --quick"),
-        (["--live", "here", "--truth", "t.jsonl"], "--live has no use for --truth, --keep:"),
-        (["take.mkv", "--live", "here"], "--live has no use for RECORDING: leave RECORDING out"),
-        (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING has no use for --users:"),
-        (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING has no use for --source:"),
+        (["--csv", "-", "--each", "--tasks", "juggling"], "--csv - does not use --each: leave"),
+        (["--csv", "-", "--markdown"], "--csv - does not use --markdown: leave --markdown out"),
+        (["--live", "here", "--quick"], "--live does not use --quick, --keep: leave --quick"),
+        (["--live", "here", "--truth", "t.jsonl"], "--live does not use --truth, --keep:"),
+        (["take.mkv", "--live", "here"], "--live does not use RECORDING: leave RECORDING out"),
+        (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING does not use --users:"),
+        (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING does not use --source:"),
         (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),
         (["take.mkv", "--truth", "t.jsonl"], "name the profile that goes with the recording"),
         (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),

@@ -11,7 +11,7 @@ import pytest
 
 from halo_calibration.errors import Refused
 from halo_service.app.cli import main
-from halo_service.app.first_light import Ask, asked, conduct, require_crosses
+from halo_service.app.evaluation_ui.guided import Ask, asked, conduct, require_crosses
 from halo_service.errors import UserError
 from halo_service.evaluation.study.sense import Played
 from halo_service.geometry.surface import Surface

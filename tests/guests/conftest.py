@@ -83,7 +83,7 @@ class Session:
 def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
     """`sensed("sim:drumming?seed=3", 12.0)`; each is made once."""
     from halo_service.app.hand_detector import HandDetector
-    from halo_service.app.virtual_profile import virtual_profile
+    from halo_service.app.virtual_user.profile import virtual_profile
     from halo_service.outputs.jsonl import frame_line
     from halo_service.runtime.method import OURS
     from halo_service.runtime.replay import replay

@@ -29,11 +29,20 @@ _PATIENCE_S = 2.0
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command. 0: it ended as asked; 1: too few frames came; 2: it could not begin."""
-    options = _parser().parse_args(argv)
+    parser = argparse.ArgumentParser(
+        prog="halo-monitor",
+        description="Show what a halo service sends: pointers, rates, latency, losses.",
+    )
+    add_arguments(parser)
+    return run(parser.parse_args(argv))
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show what comes until the end that the options set; return the exit code of `main`."""
     logging.basicConfig(format="halo-monitor: %(message)s", level=logging.WARNING)
     try:
         with halo_client.receive(options.source) as receiver:
-            return _run(receiver, options)
+            return _show(receiver, options)
     except ClientError as error:
         print(f"halo-monitor: {error}", file=sys.stderr)
         return 2
@@ -45,11 +54,8 @@ def main(argv: list[str] | None = None) -> int:
         return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="halo-monitor",
-        description="Show what a halo service sends: pointers, rates, latency, losses.",
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command; `halo monitor` shares them."""
     parser.add_argument(
         "--from",
         dest="source",
@@ -60,7 +66,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--json", action="store_true", help="a line of JSON for each event")
     parser.add_argument("--frames", type=_positive_int, metavar="N", help="end after N frames")
     parser.add_argument("--seconds", type=_positive, metavar="S", help="end after S seconds")
-    return parser
 
 
 def _positive(text: str) -> float:
@@ -77,7 +82,7 @@ def _positive_int(text: str) -> int:
     return value
 
 
-def _run(receiver: Receiver, options: argparse.Namespace) -> int:
+def _show(receiver: Receiver, options: argparse.Namespace) -> int:
     show = JsonLines(sys.stdout) if options.json else Picture(sys.stdout, receiver)
     began_s = time.monotonic()
     frames = 0

@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from halo_service.app.bench_table import table
+from halo_service.app.benchmarking.table import table
 from halo_service.evaluation.latency.blocks import Arrangement, Block, Spent
 from halo_service.evaluation.latency.figures import Case, case_of, goals
 from halo_service.evaluation.latency.listener import Heard

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.evaluation.study.recording import (
     Capture,
     Kept,

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.guided_projector import Screen
-from halo_service.app.display import Display
-from halo_service.app.virtual_user import VirtualUser
+from halo_service.app.projector.display import Display
+from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.files import appearing
 from halo_service.sources import Source

@@ -1,7 +1,7 @@
-"""`halo demo`: a guest on top of a virtual scenario that fits it, without a camera.
+"""`halo demo`: a client and a virtual scenario that fits it, without a camera.
 
-Rule: two programs are started as a user would start them, and neither is left behind: the one
-that ends first, or Ctrl-C, ends the other.
+Rule: the service and the client are started as a user would start them. The one that ends first,
+or Ctrl-C, ends the other.
 """
 
 from __future__ import annotations
@@ -18,67 +18,66 @@ from dataclasses import dataclass
 
 from halo_service.errors import UserError
 
+SUMMARY = "try drums or paint without a camera: a virtual hand plays"
+EXAMPLE = "halo demo drums"
+
 TICK_S = 0.1
 PATIENCE_S = 10.0
-"""Time to end by itself, before a program is ended by force."""
+"""Time to end by itself; after that a program is killed."""
 
 
 @dataclass(frozen=True, slots=True)
-class Show:
-    """A guest and what it is played by."""
+class Demo:
+    """A client and the scenario that it gets."""
 
     module: str
     scenario: str
     options: tuple[str, ...]
     needs: tuple[str, ...]
-    """Modules that come with the guest's extra."""
+    """Modules that come with the extra of the client."""
 
 
-SHOWS = {
-    "drums": Show("halo_drums.app", "sim:drumming", (), ("miniaudio", "pygame")),
-    "paint": Show("halo_paint.app", "sim:painting", ("--vary",), ("numpy", "pygame")),
+DEMOS = {
+    "drums": Demo("halo_drums.app", "sim:drumming", (), ("miniaudio", "pygame")),
+    "paint": Demo("halo_paint.app", "sim:painting", ("--vary",), ("numpy", "pygame")),
 }
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run a demo until its window is closed, or Ctrl-C; options unknown here are the guest's."""
-    parser = argparse.ArgumentParser(
-        prog="halo demo",
-        description="A virtual hand plays, no camera needed. Other options go to the guest.",
-    )
-    parser.add_argument("guest", choices=SHOWS)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command; the client gets every other option."""
+    parser.set_defaults(forwards_options=True)
+    parser.add_argument("client", choices=tuple(DEMOS), metavar="CLIENT", help="drums or paint")
     parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo?seed=3")
-    options, rest = parser.parse_known_args(argv)
-    try:
-        return demo(options.guest, options.source, rest)
-    except UserError as error:
-        print(f"halo: {error}", file=sys.stderr)
-        return 2
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a demo until its window is closed, or Ctrl-C."""
+    return demo(options.client, options.source, options.rest)
 
 
 def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
-    """Start both, and end both. Returns the guest's exit code, or the service's if it failed."""
-    show = SHOWS[name]
-    missing = [module for module in show.needs if importlib.util.find_spec(module) is None]
+    """Start both, and end both. Return the exit code of the client, or of a service that failed."""
+    chosen = DEMOS[name]
+    missing = [module for module in chosen.needs if importlib.util.find_spec(module) is None]
     if missing:
         raise UserError(
-            f"the {name} need {', '.join(missing)}; `uv sync` brings it in a checkout, else "
-            f"`uv pip install './clients[{name}]'`"
+            f"demo: '{name}' needs {', '.join(missing)}: run 'uv sync' in a checkout, or "
+            f"'uv pip install ./clients[{name}]'"
         )
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     port, control = _free_ports()
-    osc, scenario = f"127.0.0.1:{port}", source or show.scenario
+    osc, scenario = f"127.0.0.1:{port}", source or chosen.scenario
     serve = ["serve", "--source", scenario, "--no-zenoh", "--osc", osc]
     serve += ["--control-port", str(control)]
     programs: list[subprocess.Popen[bytes]] = []
     try:
         programs.append(_start("halo_service.app.cli", *serve))
-        programs.append(_start(show.module, "--from", f"osc://{osc}", *show.options, *rest))
-        service, guest = programs
-        while service.poll() is None and guest.poll() is None:
+        programs.append(_start(chosen.module, "--from", f"osc://{osc}", *chosen.options, *rest))
+        service, client = programs
+        while service.poll() is None and client.poll() is None:
             time.sleep(TICK_S)
-        return guest.returncode if service.returncode is None else service.returncode
+        return client.returncode if service.returncode is None else service.returncode
     except KeyboardInterrupt:
         return 0
     finally:
@@ -103,7 +102,7 @@ def _end(programs: list[subprocess.Popen[bytes]]) -> None:
 
 
 def _free_ports() -> tuple[int, int]:
-    """Two UDP ports that nobody has, so that a service which runs already is not disturbed."""
+    """Return two free UDP ports, so that a service that runs already is not disturbed."""
     with (
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other,

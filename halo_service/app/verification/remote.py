@@ -10,10 +10,10 @@ import numpy as np
 
 import halo_client
 import halo_protocol as wire
-from halo_service.app.crossings import Finger, Grid
-from halo_service.app.display import Display
-from halo_service.app.screens import ScreenRequest
-from halo_service.app.verification import Verification, grid_over
+from halo_service.app.projector.display import Display
+from halo_service.app.projector.screens import ScreenRequest
+from halo_service.app.verification.crossings import Finger, Grid
+from halo_service.app.verification.session import Verification, grid_over
 from halo_service.errors import UserError
 
 WAIT_S = 10.0

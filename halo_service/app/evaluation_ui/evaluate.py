@@ -35,7 +35,7 @@ from halo_service.virtual.materials import MATERIALS, STUDIED
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class StudyRequest:
     """What the command line asks for; empty or None: what the matrix has."""
 
     quick: bool = False
@@ -54,17 +54,17 @@ def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
     return matrix.chosen(wanted, tuple(METHODS), "method")
 
 
-def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
+def evaluate(settings: Settings, request: StudyRequest) -> tuple[Result, ...]:
     """Run the study, with a progress bar; raises `UserError` for what cannot be run."""
     tracker = _tracker(settings.tracking)
     studio = Studio(
-        asked.keep or user_cache_path("halo-service", appauthor=False) / "takes",
+        request.keep or user_cache_path("halo-service", appauthor=False) / "takes",
         partial(looking, settings.tracking),
         tracker,
-        not asked.kept_only,
+        not request.kept_only,
     )
-    methods = known_methods(asked.methods or tuple(METHODS))
-    order = Order(_plan(asked, studio), methods, studio, settings.sensing, _jobs(asked.jobs))
+    methods = known_methods(request.methods or tuple(METHODS))
+    order = Order(_plan(request, studio), methods, studio, settings.sensing, _jobs(request.jobs))
     with tqdm(
         total=work_s(order),
         leave=False,
@@ -74,7 +74,7 @@ def evaluate(settings: Settings, asked: Asked) -> tuple[Result, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class RecordingRequest:
     """A recording to judge."""
 
     recording: Path
@@ -85,19 +85,19 @@ class Recorded:
     """Empty: those that the profile serves; another would stand there with levels of our signal."""
 
 
-def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...]:
+def evaluate_recording(settings: Settings, request: RecordingRequest) -> tuple[Result, ...]:
     """Judge a recording by its truth or its script; raises `UserError` where one is none."""
-    if asked.truth is None and asked.script is None:
+    if request.truth is None and request.script is None:
         raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
-    methods = known_methods(asked.methods or AS_CALIBRATED)
-    truth = read_lines(asked.truth, "truth") if asked.truth else None
-    script = read_lines(asked.script, "script") if asked.script else ()
+    methods = known_methods(request.methods or AS_CALIBRATED)
+    truth = read_lines(request.truth, "truth") if request.truth else None
+    script = read_lines(request.script, "script") if request.script else ()
     if not set(methods) <= set(BY_SURFACE):
         require_touch(profile)
-    with closing(Recording(asked.recording, realtime=False, loop=False)) as source:
+    with closing(Recording(request.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
         with (
             closing(HandDetector(source.camera, profile, settings.tracking)) as eyes,
@@ -110,7 +110,7 @@ def evaluate_recording(settings: Settings, asked: Recorded) -> tuple[Result, ...
 
             return recording_judged(
                 source,
-                asked.recording.stem,
+                request.recording.stem,
                 look,
                 [METHODS[name] for name in methods],
                 profile,
@@ -129,17 +129,17 @@ def looking(
         yield eyes.look
 
 
-def _plan(asked: Asked, studio: Studio) -> Plan:
-    materials = matrix.chosen(asked.materials or STUDIED, tuple(MATERIALS), "material")
-    if asked.kept_only:
-        plan = _kept(studio, asked.users, materials)
-    elif asked.quick:
-        plan = matrix.quick_plan(asked.users or matrix.QUICK_USERS, materials)
+def _plan(request: StudyRequest, studio: Studio) -> Plan:
+    materials = matrix.chosen(request.materials or STUDIED, tuple(MATERIALS), "material")
+    if request.kept_only:
+        plan = _kept(studio, request.users, materials)
+    elif request.quick:
+        plan = matrix.quick_plan(request.users or matrix.QUICK_USERS, materials)
     else:
-        files = () if asked.labels is None else _label_files(asked.labels)
-        plan = matrix.plan(asked.users or matrix.REPORTED, materials, labels=files)
+        files = () if request.labels is None else _label_files(request.labels)
+        plan = matrix.plan(request.users or matrix.REPORTED, materials, labels=files)
     names = sorted({task.name for tasks in plan.values() for task in tasks})
-    wanted = matrix.chosen(asked.tasks or tuple(names), tuple(names), "task")
+    wanted = matrix.chosen(request.tasks or tuple(names), tuple(names), "task")
     plan = {
         person: tuple(task for task in tasks if task.name in wanted)
         for person, tasks in plan.items()

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.guided_projector import Screen
-from halo_service.app.crossings import Finger, Grid, Landing
-from halo_service.app.display import Display
+from halo_service.app.projector.display import Display
+from halo_service.app.verification.crossings import Finger, Grid, Landing
 from halo_service.errors import UserError
 
 

@@ -1,4 +1,4 @@
-"""Makes the virtual sensor's base model: `python -m halo_service.app.virtual_base`.
+"""Makes the virtual sensor's base model: `python -m halo_service.app.virtual_user.base_model`.
 
 Three virtual pilots on three tables sweep at five angles, at ten frames a second; what the
 calibration's own steps make of it is kept as text beside them. It takes some minutes.
@@ -15,8 +15,8 @@ from halo_calibration.observe import Observer
 from halo_calibration.pilot import ANGLES_DEG, merged, pilot_samples, usable
 from halo_calibration.sweep import SWEEP_S, Samples, samples_of
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_profile import virtual_profile
-from halo_service.app.virtual_user import VirtualUser
+from halo_service.app.virtual_user.profile import virtual_profile
+from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.settings import Settings
 from halo_service.virtual.camera import FPS, SERIAL
 from halo_service.virtual.sim_url import parse_sim_url

@@ -18,11 +18,11 @@ from halo_calibration.scripted import Scripted
 from halo_calibration.session import Session
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.touch import Stated
-from halo_service.app.calibrate_place import PLACED, WAYS, PlaceRequest, place
+from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
+from halo_service.app.calibration_ui.terminal import Terminal, told
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, open_source
-from halo_service.app.terminal import Terminal, told
-from halo_service.app.virtual_user import STATED, VirtualUser
+from halo_service.app.virtual_user.user import STATED, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import amend, exists, load, profile_path, require_fit

@@ -9,7 +9,7 @@ from halo_calibration.guided import Guided
 from halo_calibration.guided_place import GuidedPlace
 from halo_calibration.guided_projector import GuidedProjector
 from halo_calibration.steps import Change, surface_change
-from halo_service.app.screens import ScreenRequest, screen_for
+from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.sources import Exposing, Source

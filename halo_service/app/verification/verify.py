@@ -15,13 +15,13 @@ from types import FrameType
 
 from halo_calibration.guided import Cue
 from halo_calibration.guided_projector import Screen
-from halo_service.app.crossings import Finger, Grid
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.screens import ScreenRequest, screen_for
+from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.app.sources import decide, open_source
-from halo_service.app.verification import Verification, grid_over, summed_up
-from halo_service.app.verify_heard import heard
-from halo_service.app.virtual_user import VirtualUser
+from halo_service.app.verification.crossings import Finger, Grid
+from halo_service.app.verification.remote import heard
+from halo_service.app.verification.session import Verification, grid_over, summed_up
+from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit

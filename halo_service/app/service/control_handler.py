@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from halo_service.app.profile_reloader import ProfileReloader
+from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage, ControlPort
 from halo_service.sensing import State

@@ -18,7 +18,7 @@ from halo_calibration.session import Session
 from halo_calibration.steps import Setup
 from halo_calibration.touch import STATES, Held
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_user import STATED, VirtualUser
+from halo_service.app.virtual_user.user import STATED, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.settings import Settings

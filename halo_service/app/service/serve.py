@@ -12,10 +12,10 @@ from functools import partial
 from types import FrameType
 
 import halo_protocol as wire
-from halo_service.app.control_handler import ControlHandler
 from halo_service.app.hand_detector import HandDetector, model_for
-from halo_service.app.profile_reloader import ProfileReloader
-from halo_service.app.publisher import Publisher
+from halo_service.app.service.control_handler import ControlHandler
+from halo_service.app.service.profile_reloader import ProfileReloader
+from halo_service.app.service.publisher import Publisher
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
@@ -71,7 +71,7 @@ def profile_for(source: Source, kept: Profile | None, settings: Settings) -> Pro
         return kept
     if source.kind == "virtual":
         log.info("profile: measuring the virtual room, a few seconds")
-        from halo_service.app.virtual_profile import virtual_profile
+        from halo_service.app.virtual_user.profile import virtual_profile
         from halo_service.virtual.live import VirtualKinect
 
         assert isinstance(source, VirtualKinect)  # nothing else calls itself virtual

@@ -16,12 +16,12 @@ import halo_protocol as wire
 from halo_calibration.base import choose_base
 from halo_calibration.correction import Reference, solve_correction
 from halo_calibration.touch import corrected
-from halo_service.app.bench_table import table
+from halo_service.app.benchmarking.table import table
 from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for
-from halo_service.app.publisher import Publisher
+from halo_service.app.service.publisher import Publisher
 from halo_service.app.sources import KNOWN
-from halo_service.app.virtual_profile import virtual_profile
+from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.evaluation.latency.blocks import run
 from halo_service.evaluation.latency.figures import Case, case_of, goals
@@ -56,7 +56,7 @@ NODE, SESSION = "bench", "00000000"
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class BenchRequest:
     """What `halo bench` is asked for."""
 
     hands: int | None
@@ -67,22 +67,22 @@ class Asked:
     json: str | None
 
 
-def bench(asked: Asked, settings: Settings) -> None:
+def bench(request: BenchRequest, settings: Settings) -> None:
     """Measure and print; the JSON is written when all is done. Raises `UserError`."""
-    if not (math.isfinite(asked.seconds) and 1.0 <= asked.seconds <= LONGEST_S):
+    if not (math.isfinite(request.seconds) and 1.0 <= request.seconds <= LONGEST_S):
         raise UserError(f"--seconds must be from 1 to {LONGEST_S:g}: frames are held in memory")
-    wanted = (asked.hands,) if asked.hands else (1, 2)
-    if asked.source is not None:
-        wanted = (asked.hands or settings.tracking.max_hands,)
+    wanted = (request.hands,) if request.hands else (1, 2)
+    if request.source is not None:
+        wanted = (request.hands or settings.tracking.max_hands,)
     cases: list[Case] = []
     for hands in wanted:
-        source = asked.source or CASES[hands]
+        source = request.source or CASES[hands]
         tracking = replace(settings.tracking, max_hands=hands)
-        case = _case(source, hands, asked, replace(settings, tracking=tracking))
+        case = _case(source, hands, request, replace(settings, tracking=tracking))
         cases.append(case)
         print("\n".join(table(case)), flush=True)
-    if asked.json is not None:
-        with written(asked.json) as file:
+    if request.json is not None:
+        with written(request.json) as file:
             file.write(json.dumps(_report(cases), indent=1) + "\n")
 
 
@@ -124,20 +124,20 @@ class Service:
         return sequential, finder.close
 
 
-def _case(source: str, hands: int, asked: Asked, settings: Settings) -> Case:
+def _case(source: str, hands: int, request: BenchRequest, settings: Settings) -> Case:
     kind, _, rest = source.partition(":")
     if kind == "sim":
-        request = parse_sim_url(source)
-        profile = _profile_for(asked.profile) or _measured(request, settings)
-        with _bar(f"drawing {source}", round(asked.seconds * FPS)) as bar:
-            take = draw(source, request, asked.seconds, bar.update)
+        simulated = parse_sim_url(source)
+        profile = _profile_for(request.profile) or _measured(simulated, settings)
+        with _bar(f"drawing {source}", round(request.seconds * FPS)) as bar:
+            take = draw(source, simulated, request.seconds, bar.update)
     elif kind == "recording" and rest:
-        known = _profile_for(asked.profile)
+        known = _profile_for(request.profile)
         if known is None:
             raise UserError(
                 "a recording is sensed with the profile of its place: name it with --profile"
             )
-        profile, take = known, _read(source, rest, asked.seconds)
+        profile, take = known, _read(source, rest, request.seconds)
     else:
         raise UserError(
             f"bench plays frames that were drawn or recorded before, and '{source}' is neither "

@@ -1,0 +1,1 @@
+"""`halo bench`: the latency on this machine."""

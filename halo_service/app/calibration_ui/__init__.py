@@ -1,0 +1,1 @@
+"""The steps of `halo calibrate`, in a terminal."""

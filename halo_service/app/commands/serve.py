@@ -1,0 +1,72 @@
+"""`halo serve`: run the service."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+from halo_service.app.options import add_profile, add_source, settings_from
+
+SUMMARY = "run the service: read a camera, send touches"
+EXAMPLE = "halo serve --profile desk --osc 192.168.1.20:9000"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_profile(parser)
+    add_source(parser)
+    parser.add_argument("--loop", action="store_true", help="start a recording again at its end")
+    parser.add_argument("--fast", action="store_true", help="read a recording as fast as possible")
+    parser.add_argument("--node", metavar="NAME", help="name of this service on the network")
+    parser.add_argument(
+        "--osc",
+        action="append",
+        metavar="HOST:PORT",
+        help="send OSC here instead of 127.0.0.1:9000; may be repeated",
+    )
+    parser.add_argument("--no-osc", action="store_true", help="send no OSC")
+    parser.add_argument(
+        "--zenoh-listen", action="append", metavar="ENDPOINT", help="e.g. tcp/127.0.0.1:7447"
+    )
+    parser.add_argument(
+        "--zenoh-connect", action="append", metavar="ENDPOINT", help="router or peer to connect to"
+    )
+    parser.add_argument("--no-zenoh", action="store_true", help="open no Zenoh session")
+    parser.add_argument(
+        "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 9001)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the service; the command line wins over the settings file."""
+    from halo_service.app.service.serve import serve
+
+    settings = settings_from(options)
+    source = replace(
+        settings.source,
+        loop=options.loop or settings.source.loop,
+        fast=options.fast or settings.source.fast,
+    )
+    osc = replace(
+        settings.osc,
+        enabled=settings.osc.enabled and not options.no_osc,
+        destinations=tuple(options.osc or settings.osc.destinations),
+    )
+    zenoh = replace(
+        settings.zenoh,
+        enabled=settings.zenoh.enabled and not options.no_zenoh,
+        listen=tuple(options.zenoh_listen or settings.zenoh.listen),
+        connect=tuple(options.zenoh_connect or settings.zenoh.connect),
+    )
+    port = settings.control.port if options.control_port is None else options.control_port
+    serve(
+        replace(
+            settings,
+            node=options.node or settings.node,
+            source=source,
+            osc=osc,
+            zenoh=zenoh,
+            control=replace(settings.control, port=port),
+        )
+    )
+    return 0

@@ -1,0 +1,57 @@
+"""`halo simulate`: render a recording of the virtual camera."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from halo_service.app.options import add_debug
+from halo_service.errors import UserError
+
+SUMMARY = "render a recording of the virtual camera, with its ground truth"
+EXAMPLE = "halo simulate 'drumming?seed=3&material=foam' --out drumming.mkv --truth drumming.jsonl"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_debug(parser)
+    parser.add_argument(
+        "scenario", nargs="?", metavar="SCENARIO", help="e.g. drumming?seed=3&material=foam"
+    )
+    parser.add_argument("--out", type=Path, metavar="X.mkv", help="the recording")
+    parser.add_argument("--truth", metavar="X.jsonl", help="ground truth, a line a frame")
+    parser.add_argument("--script", metavar="X.json", help="the calibration steps in it, by time")
+    parser.add_argument("--seed", type=int, metavar="N", help="a seed is one user at one place")
+    parser.add_argument(
+        "--seconds", type=float, metavar="S", help="length, for a scenario without an end"
+    )
+    parser.add_argument("--no-colour", action="store_true", help="record no colour")
+    parser.add_argument(
+        "--gallery", type=Path, metavar="X.png", help="draw all materials and states in one picture"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Render the recording, the gallery, or both."""
+    from halo_service.app.recordings.simulate import SimulateRequest, simulate
+
+    if options.gallery is not None:
+        from halo_service.virtual.gallery import save
+
+        save(options.gallery, 1 if options.seed is None else options.seed)
+    elif options.scenario is None or options.out is None:
+        raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
+    if options.scenario is not None and options.out is not None:
+        request = SimulateRequest(
+            options.scenario,
+            options.out,
+            options.truth,
+            options.script,
+            options.seed,
+            options.seconds,
+            not options.no_colour,
+        )
+        print(f"halo: {simulate(request)} frames in {options.out}", file=sys.stderr)
+        print(f"next: halo serve --source recording:{options.out}", file=sys.stderr)
+    return 0

@@ -1,0 +1,1 @@
+"""Recordings: write one, draw one of the virtual camera, replay one."""

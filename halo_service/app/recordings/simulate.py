@@ -1,0 +1,60 @@
+"""Render a recording of the virtual camera with its ground truth."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from tqdm import tqdm
+
+from halo_service.app.files import STDOUT, written
+from halo_service.errors import UserError
+from halo_service.outputs.recorder import Recorder
+
+
+@dataclass(frozen=True, slots=True)
+class SimulateRequest:
+    """What `halo simulate` is asked for."""
+
+    scenario: str
+    out: Path
+    truth: str | None
+    script: str | None
+    seed: int | None
+    seconds: float | None
+    colour: bool
+
+
+def simulate(request: SimulateRequest) -> int:
+    """Draw a take at full quality with its truth beside it; return the number of frames.
+
+    All of its files appear together when it is complete, or none does.
+    """
+    from halo_service.virtual.offline import Take
+    from halo_service.virtual.sim_url import parse_sim_url
+
+    simulated = parse_sim_url(f"sim:{request.scenario.removeprefix('sim:')}", seed=request.seed)
+    take = Take(simulated, request.seconds, colour=request.colour)
+    if STDOUT in (str(request.out), request.truth, request.script):
+        raise UserError("simulate writes files; name them, '-' is none")
+    count = 0
+    with ExitStack() as stack:
+        # Left in reverse order: the recording, which can still fail on a full disk, comes first.
+        script = stack.enter_context(written(request.script)) if request.script else None
+        truth = stack.enter_context(written(request.truth)) if request.truth else None
+        recorder = stack.enter_context(
+            Recorder(request.out, take.camera, fps=take.camera.fps, colour=request.colour)
+        )
+        bar = stack.enter_context(tqdm(total=take.expected_frames, unit=" frames", leave=False))
+        for frame, lines in take:
+            if frame is not None:
+                recorder.write(frame)
+                count += 1
+            if truth is not None:
+                truth.writelines(json.dumps(line) + "\n" for line in lines)
+            bar.update()
+        if script is not None:
+            script.write(json.dumps(take.script(), indent=1) + "\n")
+    return count

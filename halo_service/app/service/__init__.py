@@ -1,0 +1,1 @@
+"""The running service: a source in, touches out."""

@@ -1,0 +1,1 @@
+"""`halo verify`: touch a projected grid and measure the error."""

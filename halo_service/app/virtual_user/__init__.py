@@ -1,0 +1,1 @@
+"""The person at the virtual table, and what is calibrated with them."""

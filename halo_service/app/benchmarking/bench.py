@@ -10,8 +10,6 @@ from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 
-from tqdm import tqdm
-
 import halo_protocol as wire
 from halo_calibration.base import choose_base
 from halo_calibration.correction import Reference, solve_correction
@@ -19,6 +17,7 @@ from halo_calibration.touch import corrected
 from halo_service.app.benchmarking.table import table
 from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.progress import progress
 from halo_service.app.service.publisher import Publisher
 from halo_service.app.sources import KNOWN
 from halo_service.app.virtual_user.profile import virtual_profile
@@ -129,8 +128,8 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
     if kind == "sim":
         simulated = parse_sim_url(source)
         profile = _profile_for(request.profile) or _measured(simulated, settings)
-        with _bar(f"drawing {source}", round(request.seconds * FPS)) as bar:
-            take = draw(source, simulated, request.seconds, bar.update)
+        with progress(f"rendering {source}", round(request.seconds * FPS)) as bar:
+            take = draw(source, simulated, request.seconds, bar.advance)
     elif kind == "recording" and rest:
         known = _profile_for(request.profile)
         if known is None:
@@ -152,11 +151,11 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
         )
     with ExitStack() as stack:
         listener = stack.enter_context(Listener())
-        bar = stack.enter_context(_bar(f"playing {source}", 2 * ROUNDS))
+        bar = stack.enter_context(progress(f"measuring {source}", 2 * ROUNDS))
         blocks = []
         for block in run(take, Service(take, profile, regressor, settings), listener, ROUNDS):
             blocks.append(block)
-            bar.update()
+            bar.advance()
     return case_of(take, hands, blocks, profile.surface)
 
 
@@ -198,10 +197,6 @@ def _first(recording: Recording, seconds: float) -> Iterator[Frame]:
         if capture.time_us - began_us >= 1e6 * seconds:
             return
         yield capture
-
-
-def _bar(what: str, total: int) -> tqdm[None]:
-    return tqdm(total=total, desc=what, unit="", leave=False, disable=None)
 
 
 def _report(cases: list[Case]) -> dict[str, object]:

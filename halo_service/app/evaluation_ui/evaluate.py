@@ -13,9 +13,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from platformdirs import user_cache_path
-from tqdm import tqdm
 
 from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.progress import progress
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import AS_CALIBRATED, BY_SURFACE, METHODS
 from halo_service.evaluation.metrics.result import Result
@@ -65,12 +65,8 @@ def evaluate(settings: Settings, request: StudyRequest) -> tuple[Result, ...]:
     )
     methods = known_methods(request.methods or tuple(METHODS))
     order = Order(_plan(request, studio), methods, studio, settings.sensing, _jobs(request.jobs))
-    with tqdm(
-        total=work_s(order),
-        leave=False,
-        bar_format="{percentage:3.0f}% |{bar}| {elapsed} so far, about {remaining} to go",
-    ) as bar:
-        return run(order, bar.update)
+    with progress("study", work_s(order)) as bar:
+        return run(order, bar.advance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,11 +97,11 @@ def evaluate_recording(settings: Settings, request: RecordingRequest) -> tuple[R
         require_fit(profile, source.camera)
         with (
             closing(HandDetector(source.camera, profile, settings.tracking)) as eyes,
-            tqdm(desc="judging", unit=" frames", leave=False) as bar,
+            progress(f"evaluating {request.recording.name}") as bar,
         ):
 
             def look(frame: Frame) -> Tracked:
-                bar.update()
+                bar.advance()
                 return eyes.look(frame)
 
             return recording_judged(

@@ -9,19 +9,16 @@ recorded, so that both can be sent to somebody and sensed again by any later ver
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
-
-from tqdm import tqdm
 
 from halo_calibration.session import Session
 from halo_calibration.targets import CROSSES_MM, cross_name
 from halo_service.app.files import written
+from halo_service.app.progress import progress
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.surface import Surface
@@ -101,15 +98,13 @@ def first_light(settings: Settings, folder: Path, colour: bool = True) -> tuple[
         file = stack.enter_context(written(str(script)))
         fps = source.camera.fps
         recorder = stack.enter_context(Recorder(recording, source.camera, fps=fps, colour=colour))
-        bar = stack.enter_context(tqdm(leave=False, unit=" frames", file=sys.stderr))
+        bar = stack.enter_context(progress(f"recording {recording.name}"))
 
         def keep(frame: Frame) -> None:
             recorder.write(frame)
-            bar.update()
+            bar.advance()
 
-        # Not `bar.write`: whatever the bar's own file, that goes to stdout, where --csv - goes too.
-        say = partial(tqdm.write, file=sys.stderr)
-        lines = conduct(tuple(asked(profile.surface)), source, say, keep)
+        lines = conduct(tuple(asked(profile.surface)), source, bar.say, keep)
         file.write(json.dumps(lines, indent=1) + "\n")
     return recording, script
 

@@ -11,8 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
-from tqdm import tqdm
-
+from halo_service.app.progress import progress
 from halo_service.app.sources import open_source
 from halo_service.outputs.recorder import Recorder
 from halo_service.settings import SourceSettings
@@ -44,7 +43,7 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
         recorder = stack.enter_context(
             Recorder(out, source.camera, fps=source.camera.fps, colour=colour)
         )
-        bar = stack.enter_context(tqdm(unit=" frames", leave=False))
+        bar = stack.enter_context(progress(f"recording {out.name}"))
         count, first_us = 0, None
         for frame in _captures(source, stopped):
             first_us = frame.time_us if first_us is None else first_us
@@ -53,7 +52,7 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
             # A player would show Unix time as a length of decades, so a live take begins at 0.
             start_us = 0 if source.kind == "recording" else first_us
             count += recorder.write(replace(frame, time_us=frame.time_us - start_us))
-            bar.update()
+            bar.advance()
     return count
 
 

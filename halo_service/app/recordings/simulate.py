@@ -7,9 +7,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from tqdm import tqdm
-
 from halo_service.app.files import STDOUT, written
+from halo_service.app.progress import progress
 from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
 
@@ -47,14 +46,14 @@ def simulate(request: SimulateRequest) -> int:
         recorder = stack.enter_context(
             Recorder(request.out, take.camera, fps=take.camera.fps, colour=request.colour)
         )
-        bar = stack.enter_context(tqdm(total=take.expected_frames, unit=" frames", leave=False))
+        bar = stack.enter_context(progress(f"rendering {request.out.name}", take.expected_frames))
         for frame, lines in take:
             if frame is not None:
                 recorder.write(frame)
                 count += 1
             if truth is not None:
                 truth.writelines(json.dumps(line) + "\n" for line in lines)
-            bar.update()
+            bar.advance()
         if script is not None:
             script.write(json.dumps(take.script(), indent=1) + "\n")
     return count

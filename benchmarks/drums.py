@@ -67,7 +67,7 @@ def play(bank: Bank, seconds: float, name: str) -> None:
                 hit = Hit(0, key, KIT[number % len(KIT)], loud, 0.5, 0.5)
                 for gesture in (hit, Shape(0, 0.5 + 0.5 * float(np.sin(number / 9)))):
                     speakers.send(gesture)
-                    view.take(gesture, began_s)
+                    view.update(gesture, began_s)
             if bank:
                 view.draw(screen, placed, began_s)
                 pygame.display.flip()
@@ -83,7 +83,7 @@ def full_block_ms(bank: Bank) -> float:
     """What a block takes with all voices ringing."""
     mixer = Mixer(bank)
     for number in range(24):
-        mixer.take(Hit(0, TouchKey("b", "t", "s", 1, number), KIT[number % 4], 1.0, 0.5, 0.5))
+        mixer.apply(Hit(0, TouchKey("b", "t", "s", 1, number), KIT[number % 4], 1.0, 0.5, 0.5))
     began_s = time.perf_counter()
     for _ in range(50):
         mixer.block()

@@ -36,7 +36,7 @@ def main() -> None:
         began_s = time.perf_counter()
         frame = _frame(number // 2)
         if number % 2 == 0:
-            view.take(painter.take(frame), painter)
+            view.update(painter.process(frame), painter)
         view.draw(screen, painter, frame.pointers, "")
         pygame.display.flip()
         took_ms.append(1000 * (time.perf_counter() - began_s))

@@ -15,7 +15,7 @@ import pytest
 # tests start; they ask how a program ends on Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-pytest_plugins = ["tests.drawn"]
+pytest_plugins = ["tests.drawn", "tests.clients.streams"]
 
 REPOSITORY = Path(__file__).parents[1]
 

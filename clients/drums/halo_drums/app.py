@@ -1,6 +1,6 @@
 """`halo-drums`: tap to play, hover to shape, press to bend.
 
-Rule: the rim. It opens what plays and shows, and hands frames to the core.
+Rule: input and output only. It opens sound, MIDI and window, and passes frames to the pure part.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from halo_window import Stage, StageError, add_stage_options, listen
 NAME = "halo-drums"
 DESCRIPTION = "Drums on any table: tap with one hand, shape the sound with the other."
 EPILOG = """\
-how to play:
+how to drum:
   tap            a pad; faster is louder and brighter
   other hand     hover low for a deep, heavy sound, high for a sharp, snappy one
   keep pressing  bends the toms and the kick, mutes the snare and the hats
@@ -38,14 +38,14 @@ examples:
 
 
 class Instrument(Protocol):
-    """What sounds: the speakers, or a MIDI port."""
+    """The speakers or a MIDI port."""
 
     def send(self, gesture: Gesture) -> None:
-        """Let a gesture be heard."""
+        """Turn a gesture into sound."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command. 0: it ended as asked; 2: it could not begin, and said why."""
+    """Run the command; return 0, or 2 if it cannot start."""
     options = _parser().parse_args(argv)
     logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
     kit = mirrored(KIT) if options.left_handed else KIT
@@ -75,23 +75,23 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--no-window", action="store_true", help="sound only")
     parser.add_argument("--midi", metavar="PORT", help="play this MIDI port, not the speakers")
     parser.add_argument(
-        "--silent", action="store_true", help="a sound device that nobody hears, to try without one"
+        "--silent", action="store_true", help="use no sound device, for a try without loudspeakers"
     )
     parser.add_argument("--left-handed", action="store_true", help="snare and kick on the left")
-    known = Settings()
+    defaults = Settings()
     parser.add_argument(
         "--low",
         type=float,
-        default=known.low_mm,
+        default=defaults.low_mm,
         metavar="MM",
-        help="hover so low for the deepest sound",
+        help="hover height of the deepest sound (%(default)g)",
     )
     parser.add_argument(
         "--high",
         type=float,
-        default=known.high_mm,
+        default=defaults.high_mm,
         metavar="MM",
-        help="hover so high for the sharpest",
+        help="hover height of the sharpest sound (%(default)g)",
     )
     parser.add_argument(
         "--render", type=Path, metavar="OUT.wav", help="write the sound of --from FILE.jsonl"
@@ -117,7 +117,7 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
         write_wav(options.render, render(frames, kit, settings))
     if options.picture:
         player = Player(kit, settings)
-        gestures = [gesture for frame in frames for gesture in player.take(frame)]
+        gestures = [gesture for frame in frames for gesture in player.process(frame)]
         write_picture(options.picture, kit, gestures)
     return 0
 
@@ -160,10 +160,10 @@ def _run(
 
     view = View(kit)
 
-    def take(frame: TouchFrame, now_s: float) -> None:
-        for gesture in player.take(frame):
+    def on_frame(frame: TouchFrame, now_s: float) -> None:
+        for gesture in player.process(frame):
             instrument.send(gesture)
-            view.take(gesture, now_s)
+            view.update(gesture, now_s)
 
     def draw(now_s: float, note: str) -> None:
         if stage is not None:
@@ -171,7 +171,7 @@ def _run(
             view.draw(stage.screen, stage.placed(receiver.services), now_s, note)
             stage.show()
 
-    listen(NAME, receiver, stage, take, draw)
+    listen(NAME, receiver, stage, on_frame, draw)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The kit: one table of pads, and the few numbers that a drummer may want to turn.
+"""The kit: one table of pads, and the numbers that a drummer may change.
 
 Rule: values only.
 """
@@ -16,7 +16,7 @@ Maker = Callable[[voices.Rng], Layers]
 
 @dataclass(frozen=True, slots=True)
 class Pad:
-    """A place on the surface and what sounds there."""
+    """An area of the surface and its sound."""
 
     name: str
     area: tuple[float, float, float, float]
@@ -24,13 +24,13 @@ class Pad:
     sound: Maker
     gain: float
     bend: float
-    """Semitones that a full press after the strike bends it by; 0 for pads that do not bend."""
+    """Semitones that a full press bends the pitch by."""
     mute: float
-    """How much of it a full press takes away, 0 to 1."""
+    """Share of its loudness that a full press removes, 0 to 1."""
     note: int
-    """Its number in General MIDI's drum kit."""
+    """Note number in General MIDI's drum kit."""
     chokes: tuple[str, ...] = ()
-    """Pads that it silences, as a closing hi-hat silences the open one."""
+    """Pads that it silences: the closed hi-hat silences the open one."""
     colour: tuple[int, int, int] = (255, 255, 255)
 
 
@@ -54,26 +54,26 @@ KIT = (
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What a drummer may turn."""
+    """What a drummer may change."""
 
     soft: float = 0.25
-    """Loudness of the softest hit, over the loudest's."""
+    """Loudness of the softest hit, relative to the loudest."""
     loud_mm_s: float = 400.0
-    """A strike as fast as this is as loud as it gets."""
+    """Strike speed of the loudest hit."""
     low_mm: float = 8.0
-    """Hovering so low is all deep."""
+    """Hover height of the deepest sound."""
     high_mm: float = 60.0
-    """Hovering so high is all sharp."""
+    """Hover height of the sharpest sound."""
     resting: float = 0.45
-    """The height, 0 low to 1 high, as long as no second hand hovers."""
+    """Height, 0 low to 1 high, while no second hand hovers."""
     hold_s: float = 0.2
-    """A touch that lasts longer presses; a shorter one was a tap and rings freely."""
+    """A longer touch is a press; a shorter one is a tap."""
     rest_s: float = 1.0
-    """A hand shapes the sound when it has not struck for so long."""
+    """A hand shapes the sound only if its last hit is older than this."""
 
 
 def pad_at(kit: tuple[Pad, ...], u: float, v: float) -> Pad:
-    """The pad under a place; one beyond the surface's edge belongs to the pad at the edge."""
+    """Return the pad at (u, v); outside the surface, the nearest edge pad."""
     u, v = min(max(u, 0.0), 1.0), min(max(v, 0.0), 1.0)
     for pad in kit:
         left, far, right, near = pad.area

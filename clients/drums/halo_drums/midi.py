@@ -1,7 +1,7 @@
 """The drums as MIDI, so that any sampler can be the sound.
 
 Rule: `messages` is pure; only `MidiOut` touches a port. Channel 10 and General MIDI's notes, so
-that most samplers play the right drum at once.
+that most samplers play the right drum without settings.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from halo_drums.player import Gesture, Hit, Release, Shape
 from halo_drums.quiet import quiet
 
 CHANNEL = 9
-"""Channel 10, as people count."""
+"""MIDI channel 10, counted from 0."""
 BRIGHTNESS = 74
-"""The controller that synthesizers take for brightness: the hovering hand's height."""
+"""Controller 74, "brightness" in most synthesizers: the height of the hovering hand."""
 
 
 class MidiError(Exception):
-    """There is no such port. The message is meant for the user."""
+    """The port cannot be opened. The message is for the user."""
 
 
 class Notes:
-    """Which note each touch holds."""
+    """Remembers the note of each touch."""
 
     def __init__(self) -> None:
         self._held: dict[object, int] = {}
 
     def messages(self, gesture: Gesture) -> list[mido.Message]:
-        """What a gesture is in MIDI."""
+        """Return the MIDI messages of a gesture."""
         if isinstance(gesture, Hit):
             self._held[gesture.key] = gesture.pad.note
             return [_message("note_on", note=gesture.pad.note, velocity=_seven(gesture.level))]
@@ -47,18 +47,18 @@ class Notes:
 
 
 class MidiOut:
-    """An open port. A context manager; `MidiError` where it cannot be opened."""
+    """An open port; a context manager. Raises `MidiError`."""
 
     def __init__(self, name: str) -> None:
         try:
             with quiet():
-                known = mido.get_output_names()
+                names = mido.get_output_names()
         except (ImportError, OSError, SystemError) as error:
             raise MidiError(f"MIDI is not available on this machine ({error})") from error
-        match = [port for port in known if name.lower() in port.lower()]
+        match = [port for port in names if name.lower() in port.lower()]
         if not match:
-            listed = ", ".join(known) or "none; start your sampler first"
-            raise MidiError(f"no MIDI port is called {name!r}; there are: {listed}")
+            listed = ", ".join(names) or "none; start your sampler first"
+            raise MidiError(f"no MIDI port is called {name!r}; available: {listed}")
         self._notes = Notes()
         self._port = mido.open_output(match[0])
 
@@ -68,7 +68,7 @@ class MidiOut:
             self._port.send(message)
 
     def close(self) -> None:
-        """End all notes, and let go of the port."""
+        """End all notes and close the port."""
         self._port.reset()
         self._port.close()
 
@@ -84,5 +84,5 @@ def _message(kind: str, **values: int) -> mido.Message:
 
 
 def _seven(value: float) -> int:
-    """0 to 1 in MIDI's seven bits; what sounds at all is never 0, which would end a note."""
+    """Convert 0..1 to MIDI's 1..127; a velocity of 0 would end the note."""
     return max(1, min(127, round(127 * value)))

@@ -1,7 +1,7 @@
 """From gestures to sound, a block at a time.
 
-Rule: pure and without a clock; it belongs to one thread. All that changes inside a block is
-ramped, from where it was at its beginning: nothing jumps, so nothing clicks.
+Rule: pure and without a clock; used by one thread only. Each value that changes within a
+block is ramped from its old value, so that nothing clicks.
 """
 
 from __future__ import annotations
@@ -12,27 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_client import TouchKey
-from halo_drums.bank import Bank, Take
+from halo_drums.bank import Bank, Sample
 from halo_drums.kit import Pad, Settings
 from halo_drums.player import Gesture, Hit, Press, Release, Shape
 from halo_drums.voices import RATE
 
 BLOCK = 256
-"""Samples that are made at once, 5.3 ms."""
+"""Samples per block, 5.3 ms."""
 VOICES = 24
-"""Sounds at once; past it the oldest is faded out."""
+"""Sounds at the same time; one more fades the oldest out."""
 LEVEL = 0.8
-"""Of one loud hit before the limiter."""
+"""Level of one loud hit before the limiter."""
 CEILING = 0.97
-"""Peaks stay below it whatever is played."""
+"""Upper limit of all peaks."""
 TUNING = 5.0
 """Semitones between the lowest hand and the highest."""
 BRIGHTNESS = 0.3
 """How much sharper the hardest strike is than the softest, over the hand's whole height."""
 FADE_S = 0.012
-"""A sound that is choked or has no voice left fades out in so long."""
+"""Fade-out time of a sound that is choked or replaced."""
 GLIDE_S = 0.03
-"""How fast the sound follows the hand, which is seen thirty times a second."""
+"""Time constant with which the sound follows the hand; the camera sees it 30 times a second."""
 
 Block = NDArray[np.float32]
 """(BLOCK, 2): left, right, within -1 to 1."""
@@ -42,29 +42,29 @@ _STEPS = np.arange(1, BLOCK + 1, dtype=np.float32) / BLOCK
 
 @dataclass(slots=True)
 class _Voice:
-    """A take that rings."""
+    """A sample that sounds."""
 
     key: TouchKey
     pad: Pad
-    take: Take
+    sample: Sample
     level: float
     mix: tuple[float, float]
-    """Of the deep and of the sharp layer, as the last block ended."""
+    """Gain of the deep and the sharp layer at the end of the last block."""
     rate: float
-    """Samples of the take to one of sound, likewise."""
+    """Playback rate at the end of the last block; 1 is the original pitch."""
     gain: float = 1.0
-    """Likewise: what press and choke leave."""
+    """Gain after press and choke, at the end of the last block."""
     at: float = 0.0
-    """Place in the take."""
+    """Position in the sample."""
     wait: int = 0
-    """Samples until it begins."""
+    """Output samples until it starts."""
     pressed: float = 0.0
     fading: bool = False
 
 
 @dataclass(slots=True)
 class Mixer:
-    """All that sounds."""
+    """All voices."""
 
     bank: Bank
     settings: Settings = field(default_factory=Settings)
@@ -78,11 +78,11 @@ class Mixer:
 
     @property
     def sounding(self) -> int:
-        """Voices that ring."""
+        """Number of active voices."""
         return len(self._voices)
 
-    def take(self, gesture: Gesture, offset: int = 0) -> None:
-        """Let a gesture be heard, `offset` samples after the next block's begin (hits only)."""
+    def apply(self, gesture: Gesture, offset: int = 0) -> None:
+        """Apply a gesture; a hit starts `offset` samples after the start of the next block."""
         if isinstance(gesture, Hit):
             self._strike(gesture, offset)
         elif isinstance(gesture, Shape):
@@ -97,12 +97,12 @@ class Mixer:
                     voice.pressed = 0.0
 
     def block(self) -> Block:
-        """The next samples."""
+        """Return the next samples."""
         self._height += (self._target - self._height) * (1 - np.exp(-BLOCK / (GLIDE_S * RATE)))
         out = np.zeros((BLOCK, 2), np.float32)
         for voice in self._voices:
-            self._ring(voice, out)
-        self._voices = [voice for voice in self._voices if not _over(voice)]
+            self._add(voice, out)
+        self._voices = [voice for voice in self._voices if not _ended(voice)]
         limited: Block = CEILING * np.tanh(out)
         return limited
 
@@ -112,17 +112,18 @@ class Mixer:
                 voice.pad.name == hit.pad.name and voice.pressed
             ):
                 voice.fading = True
-        lively = [voice for voice in self._voices if not voice.fading]
-        for voice in lively[: max(0, len(lively) - VOICES + 1)]:
+        active = [voice for voice in self._voices if not voice.fading]
+        for voice in active[: max(0, len(active) - VOICES + 1)]:
             voice.fading = True
-        takes = self.bank[hit.pad.name]
+        samples = self.bank[hit.pad.name]
         self._hits += 1
-        voice = _Voice(hit.key, hit.pad, takes[self._hits % len(takes)], hit.level, (0.0, 0.0), 1.0)
+        sample = samples[self._hits % len(samples)]
+        voice = _Voice(hit.key, hit.pad, sample, hit.level, (0.0, 0.0), 1.0)
         voice.mix, voice.rate, voice.wait = self._mix(voice), self._rate(voice), offset
         self._voices.append(voice)
 
     def _mix(self, voice: _Voice) -> tuple[float, float]:
-        """How much of either layer: equal power, so that the hand changes colour, not loudness."""
+        """Gains of both layers: equal power, so that the hand changes timbre, not loudness."""
         sharp = self._height + BRIGHTNESS * (voice.level - 0.6)
         angle = np.pi / 2 * min(max(sharp, 0.0), 1.0)
         return float(np.cos(angle)), float(np.sin(angle))
@@ -134,29 +135,29 @@ class Mixer:
     def _gain(self, voice: _Voice) -> float:
         if voice.fading:
             return max(0.0, voice.gain - BLOCK / (FADE_S * RATE))
-        wanted = 1 - voice.pad.mute * min(voice.pressed, 1.0)
-        return voice.gain + 0.35 * (wanted - voice.gain)
+        target = 1 - voice.pad.mute * min(voice.pressed, 1.0)
+        return voice.gain + 0.35 * (target - voice.gain)
 
-    def _ring(self, voice: _Voice, out: Block) -> None:
+    def _add(self, voice: _Voice, out: Block) -> None:
         mix, rate, gain = self._mix(voice), self._rate(voice), self._gain(voice)
         steps = _STEPS[: BLOCK - voice.wait]
         places = voice.at + np.cumsum(voice.rate + (rate - voice.rate) * steps, dtype=np.float64)
-        # The take's first sample is at place 0, and its own; later ones lie between two.
+        # The first output sample is the sample's own value; later ones are interpolated.
         places -= places[0] - voice.at
-        heard = places[places < len(voice.take) - 1]
-        whole = heard.astype(np.intp)
-        part = (heard - whole).astype(np.float32)[:, None]
-        both = voice.take[whole] * (1 - part) + voice.take[whole + 1] * part
-        ramp = steps[: len(heard), None]
+        inside = places[places < len(voice.sample) - 1]
+        whole = inside.astype(np.intp)
+        part = (inside - whole).astype(np.float32)[:, None]
+        both = voice.sample[whole] * (1 - part) + voice.sample[whole + 1] * part
+        ramp = steps[: len(inside), None]
         deep = voice.mix[0] + (mix[0] - voice.mix[0]) * ramp
         sharp = voice.mix[1] + (mix[1] - voice.mix[1]) * ramp
         loud = LEVEL * voice.level * (voice.gain + (gain - voice.gain) * ramp)
-        out[voice.wait : voice.wait + len(heard)] += loud * (
+        out[voice.wait : voice.wait + len(inside)] += loud * (
             deep * both[:, :2] + sharp * both[:, 2:]
         )
         voice.at = float(places[-1] + rate)
         voice.mix, voice.rate, voice.gain, voice.wait = mix, rate, gain, 0
 
 
-def _over(voice: _Voice) -> bool:
-    return voice.at >= len(voice.take) - 1 or (voice.fading and voice.gain <= 0.0)
+def _ended(voice: _Voice) -> bool:
+    return voice.at >= len(voice.sample) - 1 or (voice.fading and voice.gain <= 0.0)

@@ -1,8 +1,8 @@
-"""From frames to gestures: what the hands mean to the drums.
+"""From frames to gestures: hits, presses and the height of the other hand.
 
-Rule: pure. Frames come in, gestures go out; each says when it happened on the clock of the
-frames. A tap is a `Hit`; the touch that stays is a `Press`; the height of the hand that does
-not play is a `Shape`.
+Rule: pure. Frames come in, gestures go out; each has its time on the frames' clock.
+A tap is a `Hit`; a touch that stays is a `Press`; the height of the hand that does not drum is a
+`Shape`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from halo_drums.kit import KIT, Pad, Settings, pad_at
 from halo_protocol import UNKNOWN_STRIKE, Hand, Pointer, TouchFrame
 
 UNKNOWN_LEVEL = 0.6
-"""Loudness of a hit whose strike was lost on the way."""
+"""Loudness of a hit if its strike speed was lost."""
 CURVE = 0.6
-"""Loudness grows with the strike's speed to this power: soft taps are heard, too."""
+"""Exponent from strike speed to loudness; below 1, so that soft taps stay audible."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,22 +60,22 @@ class Shape:
 
 
 Gesture = Hit | Press | Release | Shape
-Who = tuple[str, str, str, int, int]
-"""A hand of a session; its finger's id where nobody knows which hand it is."""
+HandKey = tuple[str, str, str, int, int]
+"""Node, surface, session, hand, finger id. The id is -1 if the hand is known."""
 
 
 class Player:
-    """Remembers which hand plays and which touches last."""
+    """Remembers which hand drums and which touches are active."""
 
     def __init__(self, kit: tuple[Pad, ...] = KIT, settings: Settings | None = None) -> None:
         self._kit = kit
         self._settings = settings or Settings()
         self._since_us: dict[TouchKey, int] = {}
-        self._struck_us: dict[Who, int] = {}
-        self._drummer: Who | None = None
+        self._struck_us: dict[HandKey, int] = {}
+        self._drummer: HandKey | None = None
 
-    def take(self, frame: TouchFrame) -> list[Gesture]:
-        """The gestures of a frame."""
+    def process(self, frame: TouchFrame) -> list[Gesture]:
+        """Return the gestures of a frame."""
         gestures: list[Gesture] = []
         for touch in touches(frame):
             if isinstance(touch, Began):
@@ -92,7 +92,7 @@ class Player:
     def _hit(self, frame: TouchFrame, touch: Began) -> Hit:
         self._since_us[touch.key] = touch.time_us
         if touch.pointer is not None:
-            self._drummer = _who(frame, touch.pointer)
+            self._drummer = _hand_key(frame, touch.pointer)
             self._struck_us[self._drummer] = frame.time_us
         down = touch.down
         pad = pad_at(self._kit, down.u, down.v)
@@ -110,11 +110,11 @@ class Player:
         return now_us - began_us > self._settings.hold_s * 1e6
 
     def _shape(self, frame: TouchFrame) -> Shape | None:
-        """The lowest finger of a hand that does not play; none as long as nobody has played."""
+        """The lowest finger of a hand that does not drum; None before the first hit."""
         heights = [
             pointer.hover_mm
             for pointer in frame.pointers
-            if not pointer.touching and self._rests(_who(frame, pointer), frame.time_us)
+            if not pointer.touching and self._rests(_hand_key(frame, pointer), frame.time_us)
         ]
         if not heights:
             return None
@@ -122,14 +122,13 @@ class Player:
         height = (min(heights) - low_mm) / (high_mm - low_mm)
         return Shape(frame.time_us, min(max(height, 0.0), 1.0))
 
-    def _rests(self, who: Who, now_us: int) -> bool:
-        if self._drummer is None or who == self._drummer:
+    def _rests(self, hand: HandKey, now_us: int) -> bool:
+        if self._drummer is None or hand == self._drummer:
             return False
-        struck_us = self._struck_us.get(who)
+        struck_us = self._struck_us.get(hand)
         return struck_us is None or now_us - struck_us > self._settings.rest_s * 1e6
 
 
-def _who(frame: TouchFrame, pointer: Pointer) -> Who:
-    known = pointer.hand != Hand.UNKNOWN
-    whose = (pointer.hand, -1) if known else (Hand.UNKNOWN, pointer.id)
-    return (frame.node, frame.surface, frame.session, *whose)
+def _hand_key(frame: TouchFrame, pointer: Pointer) -> HandKey:
+    hand, finger = pointer.hand, pointer.id if pointer.hand == Hand.UNKNOWN else -1
+    return (frame.node, frame.surface, frame.session, hand, finger)

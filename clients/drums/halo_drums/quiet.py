@@ -1,6 +1,6 @@
-"""Libraries below Python that talk on stderr while they look for devices.
+"""Silence libraries that print to stderr while they look for devices.
 
-Rule: only around opening one; what went wrong is then said in one sentence of our own.
+Rule: only around opening a device; our own error message follows.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from contextlib import contextmanager
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Nobody hears stderr meanwhile."""
+    """Redirect stderr (file descriptor 2) to nowhere."""
     sys.stderr.flush()
-    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+        os.dup2(saved, 2)
+        os.close(saved)
         os.close(nowhere)

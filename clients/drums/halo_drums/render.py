@@ -1,7 +1,7 @@
 """A recorded stream as a file of sound, exact to the sample.
 
-Rule: no clock, no device. A hit sounds when the finger came down, which the stream knows
-(`ago_ms`), and not, as when played live, when the news of it arrives.
+Rule: no clock, no device. A hit starts at the time of the touch (frame time minus
+`ago_ms`). Live, it starts when its frame arrives.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from halo_drums.voices import RATE
 from halo_protocol import TouchFrame
 
 TAIL_S = 1.5
-"""The last hit rings out."""
+"""Time for the last hit to decay."""
 
 
 def render(
@@ -29,14 +29,14 @@ def render(
     kit: tuple[Pad, ...] = KIT,
     settings: Settings | None = None,
 ) -> NDArray[np.float32]:
-    """(N, 2) samples; sample 0 is the first frame's time."""
+    """Return (N, 2) float32 samples; sample 0 is at the first frame's time."""
     player = Player(kit, settings)
     gestures: list[Gesture] = []
     first_us = last_us = None
     for frame in frames:
         first_us = frame.time_us if first_us is None else first_us
         last_us = frame.time_us
-        gestures += player.take(frame)
+        gestures += player.process(frame)
     if first_us is None or last_us is None:
         return np.zeros((0, 2), np.float32)
     mixer = Mixer(make_bank(kit), settings or Settings())
@@ -46,14 +46,14 @@ def render(
     for start in range(0, length, BLOCK):
         while next_one < len(due) and due[next_one][0] < start + BLOCK:
             at, gesture = due[next_one]
-            mixer.take(gesture, at - start)
+            mixer.apply(gesture, at - start)
             next_one += 1
         blocks.append(mixer.block())
     return np.concatenate(blocks)[:length]
 
 
 def write_wav(path: Path, sound: NDArray[np.float32]) -> None:
-    """16 bits, stereo. `OSError` where it cannot be written."""
+    """Write a WAV file, 16 bits, stereo. Raises `OSError`."""
     with wave.open(str(path), "wb") as file:
         file.setnchannels(2)
         file.setsampwidth(2)

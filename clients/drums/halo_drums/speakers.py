@@ -23,21 +23,21 @@ from halo_drums.quiet import quiet
 from halo_drums.voices import RATE
 
 PERIOD_MS = 5
-"""What the device asks for at once: as near to a block as whole milliseconds come."""
+"""Length of one device period: the whole number of ms nearest to a block."""
 PERIODS = 4
-"""Periods that the device keeps ready; later than all of them, there is a gap."""
+"""Periods that the device buffers; a later block leaves a gap."""
 LATENCY_S = PERIODS * PERIOD_MS / 1000
-"""What a hit waits at most for the sound before it."""
+"""Longest time that a hit waits for buffered sound."""
 SWITCH_S = 0.0005
-"""Python hands over between threads so often, not every 5 ms: that would be a whole block."""
+"""Python's thread switch interval; its default of 5 ms is a whole block."""
 
 
 class SoundError(Exception):
-    """No sound can be made. The message is meant for the user."""
+    """The sound device cannot be opened. The message is for the user."""
 
 
 class Speakers:
-    """A stream that plays. A context manager; `SoundError` where there is no device."""
+    """An open sound stream; a context manager. Raises `SoundError` without a device."""
 
     def __init__(self, mixer: Mixer, backends: Sequence[miniaudio.Backend] = ()) -> None:
         self._mixer = mixer
@@ -46,13 +46,13 @@ class Speakers:
         self._began_s: float | None = None
         self._played = 0
         self.made_s = 0.0
-        """Sound that the device has asked for."""
+        """Seconds of sound that the device has requested."""
         self.gaps = 0
-        """Times that the device had nothing to play."""
+        """Number of times that the device had nothing to play."""
         self.latest_s = 0.0
-        """Longest time that a piece came late; past `LATENCY_S` there is a gap."""
+        """Longest delay of a piece; above `LATENCY_S` there is a gap."""
         self.slowest = 0.0
-        """Longest time that making a piece of sound took, over the time that it plays."""
+        """Longest ratio of computing time to playing time of a piece."""
         try:
             with quiet():
                 self._device = miniaudio.PlaybackDevice(
@@ -70,7 +70,7 @@ class Speakers:
             self._device.close()
             raise SoundError(_no_device("none was found"))
         sys.setswitchinterval(SWITCH_S)
-        # Looking through all that was loaded takes the collector longer than a block lasts.
+        # A full garbage collection takes longer than a block; exclude what is loaded by now.
         gc.collect()
         gc.freeze()
         stream = self._stream()
@@ -78,33 +78,33 @@ class Speakers:
         self._device.start(stream)
 
     def send(self, gesture: Gesture) -> None:
-        """Let a gesture be heard as soon as can be. From any thread."""
+        """Queue a gesture for the next block. Thread-safe."""
         self._gestures.put(gesture)
 
     def close(self) -> None:
-        """End the sound. May be called twice."""
+        """Stop the sound. May be called twice."""
         self._device.close()
 
     def _stream(self) -> Generator[NDArray[np.float32], int, None]:
-        wanted = yield np.zeros((0, 2), np.float32)
+        requested = yield np.zeros((0, 2), np.float32)
         while True:
             began_s = time.perf_counter()
-            self._listen()
-            while len(self._ready) < wanted:
+            self._apply_queued()
+            while len(self._ready) < requested:
                 self._ready = np.concatenate([self._ready, self._mixer.block()])
-            piece, self._ready = self._ready[:wanted], self._ready[wanted:]
-            self._count(wanted, began_s, time.perf_counter())
-            wanted = yield piece
+            piece, self._ready = self._ready[:requested], self._ready[requested:]
+            self._count(requested, began_s, time.perf_counter())
+            requested = yield piece
 
-    def _listen(self) -> None:
+    def _apply_queued(self) -> None:
         while True:
             try:
-                self._mixer.take(self._gestures.get_nowait())
+                self._mixer.apply(self._gestures.get_nowait())
             except queue.Empty:
                 return
 
     def _count(self, samples: int, began_s: float, now_s: float) -> None:
-        """Compare what was made with what has been played by now."""
+        """Compare the sound delivered with the time passed; count gaps."""
         self._began_s = began_s if self._began_s is None else self._began_s
         self._played += samples
         self.made_s += samples / RATE
@@ -124,6 +124,6 @@ class Speakers:
 
 def _no_device(why: str) -> str:
     return (
-        f"no sound device ({why}); plug one in, or play a sampler with --midi, "
-        "or make a file of a recorded stream with --render OUT.wav"
+        f"no sound device ({why}); plug one in, try --silent, use a sampler "
+        "with --midi PORT, or write a recorded stream to a file with --render OUT.wav"
     )

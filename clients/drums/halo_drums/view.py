@@ -1,6 +1,6 @@
-"""What the drummer sees: pads that light up, and the other hand's height.
+"""The drummer's picture: pads that light up, and the height of the other hand.
 
-Rule: it draws what it is told, on any pygame surface, and reads no clock.
+Rule: draws on any pygame surface; reads no clock.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from halo_window import Placed
 
 BACKGROUND = (14, 14, 18)
 GLOW_S = 0.45
-"""A pad that was hit glows for so long."""
+"""How long a pad glows after a hit."""
 RING_S = 0.6
 LOW, HIGH = pygame.Color(70, 110, 255), pygame.Color(255, 235, 150)
-"""The hovering hand: deep or sharp."""
+"""Colour of the bar: deep or sharp."""
 
 
 @dataclass(slots=True)
 class View:
-    """What is to be seen now."""
+    """State of the picture."""
 
     kit: tuple[Pad, ...]
     _hits: list[tuple[float, Hit]] = field(default_factory=list)
     _height: float | None = None
 
-    def take(self, gesture: Gesture, now_s: float) -> None:
-        """Remember what shows."""
+    def update(self, gesture: Gesture, now_s: float) -> None:
+        """Take in a gesture at a time."""
         if isinstance(gesture, Hit):
             self._hits.append((now_s, gesture))
         elif isinstance(gesture, Shape):
             self._height = gesture.height
 
     def draw(self, screen: pygame.Surface, placed: Placed, now_s: float, note: str = "") -> None:
-        """The whole picture; `note` is a line of words at its lower edge."""
+        """Draw everything; `note` is a line of text at the lower edge."""
         self._hits = [(at_s, hit) for at_s, hit in self._hits if now_s - at_s < RING_S]
         screen.fill(BACKGROUND)
         font = _font(max(18, screen.get_height() // 24))
@@ -92,7 +92,7 @@ class View:
         pygame.draw.aacircle(screen, light, (x, y), radius, max(1, round(scale * 1.5 * (1 - age))))
 
     def _hand(self, screen: pygame.Surface, height: float) -> None:
-        """A bar at the left edge: as high as the hand, deep blue to bright."""
+        """Draw a bar at the left edge: its height and colour show the hand's height."""
         width, tall = max(6, screen.get_width() // 90), screen.get_height()
         length = max(4, round(height * tall))
         pygame.draw.rect(screen, LOW.lerp(HIGH, height), (0, tall - length, width, length))
@@ -104,18 +104,18 @@ class View:
 
 @lru_cache(maxsize=4)
 def _font(height_px: int) -> pygame.font.Font:
-    """Read from its file once, not with each picture."""
+    """Load the font once, not for each picture."""
     return pygame.font.Font(None, height_px)
 
 
 def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture]) -> None:
-    """A PNG of the moment after the loudest hit. `OSError` where it cannot be written."""
+    """Write a PNG of the moment after the loudest hit. Raises `OSError`."""
     hits = [gesture for gesture in gestures if isinstance(gesture, Hit)]
     moment_us = max(hits, key=lambda hit: hit.level).time_us + 90_000 if hits else 0
     view = View(kit)
     for gesture in gestures:
         if gesture.time_us <= moment_us:
-            view.take(gesture, gesture.time_us / 1e6)
+            view.update(gesture, gesture.time_us / 1e6)
     pygame.font.init()
     screen = pygame.Surface((1200, 800))
     placing = PictureTransform.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)

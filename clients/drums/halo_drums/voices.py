@@ -1,7 +1,7 @@
 """The sounds of the drums, each a small function.
 
-Rule: pure NumPy, and no clock: the same generator of noise gives the same samples. Each drum is
-made in two layers, one deep and one sharp; the mixer fades between them while they ring, so the
+Rule: pure NumPy, and no clock: the same generator of noise gives the same samples. Each drum has
+two layers, one deep and one sharp; the mixer fades between them while they sound, so that the
 hovering hand needs no filter.
 """
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 RATE = 48_000
 """Samples a second."""
 ATTACK_S = 0.0004
-"""A sound rises in so long: too fast to hear as a fade, slow enough not to click."""
+"""Rise time of a sound: too short to hear as a fade, long enough not to click."""
 RELEASE_S = 0.01
 
 Wave = NDArray[np.float64]
@@ -25,7 +25,7 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True, slots=True)
 class Layers:
-    """One drum, struck once. Both of the same length, each with a peak of 1."""
+    """One hit of a drum. Both layers have the same length and a peak of 1."""
 
     deep: Wave
     sharp: Wave
@@ -94,23 +94,23 @@ def _hat(rng: Rng, seconds: float, ring_s: float) -> Layers:
 
 
 def layers(deep: Wave, sharp: Wave) -> Layers:
-    """Both with soft ends and a peak of 1."""
+    """Return both layers with soft ends and a peak of 1."""
     return Layers(_finished(deep), _finished(sharp))
 
 
 def time(seconds: float) -> Wave:
-    """The times of the samples, s."""
+    """Sample times, s."""
     return np.arange(round(seconds * RATE)) / RATE
 
 
 def decay(t: Wave, seconds: float) -> Wave:
-    """What fades to 1/e in so long."""
+    """Exponential decay to 1/e in `seconds`."""
     faded: Wave = np.exp(-t / seconds)
     return faded
 
 
 def driven(wave: Wave) -> Wave:
-    """Rounded at its peaks, as an overdriven amplifier does: overtones that small speakers play."""
+    """Soft clipping, as in an overdriven amplifier: adds overtones that small speakers can play."""
     rounded: Wave = np.tanh(wave)
     return rounded
 
@@ -122,14 +122,14 @@ def sine(t: Wave, hz: float) -> Wave:
 
 
 def sweep(t: Wave, hz: float, above_hz: float, seconds: float) -> Wave:
-    """A tone that begins higher by `above_hz` and comes down to `hz`."""
+    """A tone that starts `above_hz` higher and falls to `hz`."""
     turns = hz * t + above_hz * seconds * (1 - np.exp(-t / seconds))
     tone: Wave = np.sin(2 * np.pi * turns)
     return tone
 
 
 def band(rng: Rng, t: Wave, low_hz: float, high_hz: float) -> Wave:
-    """Noise between two pitches, with soft edges, of a deviation of 0.4."""
+    """Band-limited noise with a standard deviation of 0.4."""
     spectrum = np.fft.rfft(rng.standard_normal(len(t)))
     hz = np.fft.rfftfreq(len(t), 1 / RATE) + 1e-9
     spectrum /= np.sqrt((1 + (low_hz / hz) ** 8) * (1 + (hz / high_hz) ** 8))
@@ -138,7 +138,7 @@ def band(rng: Rng, t: Wave, low_hz: float, high_hz: float) -> Wave:
 
 
 def metal(rng: Rng, t: Wave, low_hz: float, high_hz: float, partials: int = 24) -> Wave:
-    """Tones strewn between two pitches, likewise."""
+    """Random tones between two pitches, with a standard deviation of 0.4."""
     hz = np.exp(rng.uniform(np.log(low_hz), np.log(high_hz), partials))
     phase = rng.uniform(0, 2 * np.pi, partials)
     tones: Wave = np.sin(2 * np.pi * hz[:, None] * t + phase[:, None]).sum(axis=0)

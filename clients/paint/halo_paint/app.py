@@ -1,6 +1,6 @@
 """`halo-paint`: paint with a finger; the harder it presses, the stronger the stroke.
 
-Rule: the rim. It opens what shows, hands frames to the core, and saves.
+Rule: input and output only. It opens the window, passes frames to the pure part, and saves.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ examples:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command. 0: it ended as asked; 2: it could not begin, and said why."""
+    """Run the command; return 0, or 2 if it cannot start."""
     options = _parser().parse_args(argv)
     logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
     brush = next(each for each in BRUSHES if each.name == options.brush)
@@ -63,23 +63,23 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 class App:
-    """The window and what is painted in it."""
+    """The window and its painting."""
 
     def __init__(self, receiver: Receiver, stage: Stage, painter: Painter, folder: Path) -> None:
         self._receiver, self._stage, self._painter = receiver, stage, painter
         self._folder = folder
         self._fingers: tuple[Pointer, ...] = ()
         self._view = View(stage.screen.get_size(), stage.placed(receiver.services))
-        self._said, self._said_s = "", 0.0
+        self._note, self._note_s = "", 0.0
 
     def run(self) -> None:
-        """Until the window is closed."""
-        listen(NAME, self._receiver, self._stage, self._take, self._draw)
+        """Run until the window is closed."""
+        listen(NAME, self._receiver, self._stage, self._process, self._draw)
 
-    def _take(self, frame: TouchFrame, now_s: float) -> None:
+    def _process(self, frame: TouchFrame, now_s: float) -> None:
         self._fingers = frame.pointers
-        news = self._painter.take(frame)
-        self._view.take(news, self._painter)
+        news = self._painter.process(frame)
+        self._view.update(news, self._painter)
         if any(change is Change.SAVE for change, _ in news):
             self._save(now_s)
 
@@ -87,25 +87,25 @@ class App:
         for key in self._stage.pressed():
             self._key(key, now_s)
         self._fit()
-        said = self._said if now_s - self._said_s < 4.0 else ""
-        self._view.draw(self._stage.screen, self._painter, self._fingers, note or said)
+        recent = self._note if now_s - self._note_s < 4.0 else ""
+        self._view.draw(self._stage.screen, self._painter, self._fingers, note or recent)
         self._stage.show()
 
     def _key(self, key: int, now_s: float) -> None:
         if key == pygame.K_u:
-            self._view.take(self._painter.undo(), self._painter)
+            self._view.update(self._painter.undo(), self._painter)
         elif key == pygame.K_c:
-            self._view.take(self._painter.clear(), self._painter)
+            self._view.update(self._painter.clear(), self._painter)
         elif key == pygame.K_s:
             self._save(now_s)
 
     def _fit(self) -> None:
-        """Paint anew where the window or what the projector shows has changed."""
+        """Redraw everything if the window or the homography has changed."""
         size, placed = self._stage.screen.get_size(), self._stage.placed(self._receiver.services)
         if (size, placed) != (self._view.size, self._view.placed):
             self._painter.size_mm = (placed.width_mm, placed.height_mm)
             self._view = View(size, placed)
-            self._view.take([(Change.UNDONE, None)], self._painter)
+            self._view.update([(Change.UNDONE, None)], self._painter)
 
     def _save(self, now_s: float) -> None:
         name = time.strftime("painting-%Y%m%d-%H%M%S")
@@ -114,11 +114,11 @@ class App:
             for kind in KINDS:
                 save(self._folder / (name + kind), self._painter.strokes, *self._painter.size_mm)
         except OSError as error:
-            self._said = f"could not save ({error})"
+            self._note = f"could not save ({error})"
         else:
-            self._said = f"saved {self._folder / name}.png and .svg"
-        self._said_s = now_s
-        print(f"{NAME}: {self._said}", file=sys.stderr)
+            self._note = f"saved {self._folder / name}.png and .svg"
+        self._note_s = now_s
+        print(f"{NAME}: {self._note}", file=sys.stderr)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -133,13 +133,17 @@ def _parser() -> argparse.ArgumentParser:
         "--brush",
         choices=[brush.name for brush in BRUSHES],
         default=BRUSHES[0].name,
-        help="what to begin with",
+        help="first brush (%(default)s)",
     )
     parser.add_argument(
-        "--vary", action="store_true", help="another colour and brush with each stroke"
+        "--vary", action="store_true", help="change colour and brush with each stroke"
     )
     parser.add_argument(
-        "--save-to", type=Path, default=Path(), metavar="FOLDER", help="where pictures go (here)"
+        "--save-to",
+        type=Path,
+        default=Path(),
+        metavar="FOLDER",
+        help="folder for saved pictures (default: this one)",
     )
     parser.add_argument(
         "--render",

@@ -26,12 +26,12 @@ COLOURS: tuple[Colour, ...] = (
     (110, 64, 128),  # plum
 )
 FULL = 1.8
-"""The pressure at which a brush is as wide as it gets; 1 is the calibrated medium press."""
+"""Pressure at which a brush has its full width; 1 is the calibrated medium press."""
 
 
 @dataclass(frozen=True, slots=True)
 class Brush:
-    """What makes a brush this brush."""
+    """Parameters of a brush."""
 
     name: str
     thin_mm: float
@@ -43,9 +43,9 @@ class Brush:
     dense: float
     """Opacity at FULL pressure."""
     nib_deg: float | None = None
-    """Of a broad nib: how it is held, from the x axis; strokes along it are thin."""
+    """Angle of a broad nib to the x axis; strokes along it are thin."""
     bristles: int = 1
-    """Of a hairy brush: strands side by side, each with ink of its own."""
+    """Number of strands, each with its own ink."""
 
 
 BRUSHES = (
@@ -54,21 +54,21 @@ BRUSHES = (
     Brush("calligraphy", thin_mm=2.0, thick_mm=11.0, faint=0.85, dense=1.0, nib_deg=-40.0),
 )
 NIB = 0.18
-"""Thickness of a broad nib over its width."""
+"""Thickness of a broad nib, relative to its width."""
 
 
 def share(pressure: Array) -> Array:
-    """Pressure as 0 to 1, what all else grows with."""
+    """Pressure as a share of FULL, 0 to 1."""
     return np.clip(pressure / FULL, 0.0, 1.0)
 
 
 def width_mm(brush: Brush, pressure: Array) -> Array:
-    """How wide a stroke is before its direction counts."""
+    """Width of a stroke, mm, before its direction counts."""
     return brush.thin_mm + (brush.thick_mm - brush.thin_mm) * share(pressure)
 
 
 def turned(brush: Brush, width: Array, direction: Array) -> Array:
-    """How wide it is in a direction (radians): a broad nib is thin along itself."""
+    """Width in a direction (radians): a broad nib is thin along itself."""
     if brush.nib_deg is None:
         return width
     across = np.abs(np.sin(direction - math.radians(brush.nib_deg)))

@@ -1,8 +1,8 @@
 """Strokes as pixels.
 
-Rule: pure NumPy. A stroke has a layer of its own, in which its parts never add up, so that it
-can cross itself without a seam; layers are laid over the paper as long as they are painted, and
-become part of it when they end. Edges are soft over one pixel.
+Rule: pure NumPy. Each stroke has its own layer, in which overlapping parts do not add up, so
+that it can cross itself without a seam. Layers of open strokes lie over the paper; a finished
+stroke becomes part of the paper. Edges are soft over one pixel.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(slots=True)
 class _Wet:
-    """A stroke that is being painted."""
+    """An open stroke."""
 
     layer: Layer
     drawn: int = 0
-    """Pieces in the layer."""
+    """Number of pieces in the layer."""
 
 
 class Canvas:
-    """A paper of so many pixels, and where the surface is on it."""
+    """A paper in pixels, and the place of the surface on it."""
 
     def __init__(
         self, width: int, height: int, placing: PictureTransform, paper: Colour = PAPER
@@ -40,12 +40,12 @@ class Canvas:
         self._dry = np.empty((height, width, 3), np.uint8)
         self._dry[:] = paper
         self.pixels: Pixels = self._dry.copy()
-        """The picture as it is to be seen."""
+        """The visible picture."""
         self._paper = paper
         self._wet: dict[int, tuple[Stroke, _Wet]] = {}
 
     def grow(self, stroke: Stroke) -> Box | None:
-        """Draw what is new of a stroke; returns where the picture changed."""
+        """Draw the new pieces of a stroke; return the box that changed, or None."""
         if id(stroke) not in self._wet:
             self._wet[id(stroke)] = stroke, _Wet(self._empty())
         _, wet = self._wet[id(stroke)]
@@ -56,7 +56,7 @@ class Canvas:
         return box
 
     def dry(self, stroke: Stroke) -> None:
-        """A stroke has ended: it becomes part of the paper."""
+        """Make a finished stroke part of the paper."""
         _, wet = self._wet.pop(id(stroke))
         box = _inked(wet.layer)
         if box is not None:
@@ -64,7 +64,7 @@ class Canvas:
             self._show(box)
 
     def repaint(self, strokes: list[Stroke]) -> None:
-        """Begin anew with finished strokes; those that are being painted stay."""
+        """Draw all finished strokes again; open strokes stay."""
         self._dry[:] = self._paper
         for stroke in strokes:
             layer = self._empty()
@@ -85,15 +85,15 @@ class Canvas:
 
 
 def over(below: Pixels, layer: Layer, colour: Colour) -> Pixels:
-    """A colour laid over a picture."""
+    """Return a picture with a colour over it; `layer` is the opacity."""
     opacity = layer[..., None]
     mixed = below * (1 - opacity) + np.array(colour, np.float32) * opacity
-    laid: Pixels = np.round(mixed).astype(np.uint8)
-    return laid
+    mixed_pixels: Pixels = np.round(mixed).astype(np.uint8)
+    return mixed_pixels
 
 
 def _inked(layer: Layer) -> Box | None:
-    """Where there is anything at all."""
+    """Return the box of all pixels that are not 0, or None."""
     rows, columns = (np.flatnonzero(layer.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return None

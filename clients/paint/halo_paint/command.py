@@ -1,4 +1,4 @@
-"""The `halo-paint` command: looks for what the guest needs before it loads any of it."""
+"""The `halo-paint` command: checks for its libraries before it imports them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ NEEDS = ("numpy", "pygame")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the guest; a missing library is a sentence, and exit code 2."""
+    """Run the client; a missing library gives one sentence and exit code 2."""
     require_extra("halo-paint", "paint", NEEDS)
     from halo_paint.app import main as run
 

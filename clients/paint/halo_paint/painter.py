@@ -1,6 +1,6 @@
-"""From frames to a picture: what fingers mean to the paper.
+"""From frames to strokes.
 
-Rule: pure. A touch on the palette chooses; any other paints, until it ends. The picture is the
+Rule: pure. A touch on the palette chooses; any other touch paints until it ends. The picture is the
 list of strokes, and undo goes back step by step, also over a clear.
 """
 
@@ -18,16 +18,16 @@ from halo_paint.stroke import Stroke
 from halo_protocol import TouchFrame
 
 MOST_STEPS = 500
-"""Undo goes back so far."""
+"""Number of undo steps."""
 LEAST = 0.03
-"""A finger that lifts off still touches for a moment, at the promise's least pressure (0.02)."""
+"""A finger that lifts off still touches for a moment, at the protocol's least pressure (0.02)."""
 HELD_BACK = 3
-"""So many places at the least pressure wait, and are not painted if the touch ends with them:
-else each stroke would end in the hook of the finger that leaves."""
+"""Number of points at the smallest pressure that wait, and are dropped if the touch ends:
+otherwise each stroke ends in a hook, because the finger moves while it lifts off."""
 
 
 class Change(Enum):
-    """What became of the picture."""
+    """A change of the picture."""
 
     GREW = auto()
     ENDED = auto()
@@ -41,23 +41,23 @@ News = tuple[Change, Stroke | None]
 
 @dataclass(slots=True)
 class Painter:
-    """The paper, what is chosen, and the strokes that are being painted."""
+    """Finished strokes, open strokes, and the chosen brush and colour."""
 
     brush: Brush = BRUSHES[0]
     colour: Colour = COLOURS[1]
     vary: bool = False
-    """Whether each stroke takes the next colour and brush, for those who watch."""
+    """Whether each stroke uses the next colour and brush."""
     size_mm: tuple[float, float] = (WIDTH_MM, HEIGHT_MM)
     strokes: list[Stroke] = field(default_factory=list)
-    """Finished, from the lowest to the topmost."""
+    """Finished strokes, from bottom to top."""
     _open: dict[TouchKey, Stroke] = field(default_factory=dict)
     _leaving: dict[TouchKey, deque[Moved]] = field(default_factory=dict)
     _chosen: set[TouchKey] = field(default_factory=set)
     _history: list[list[Stroke]] = field(default_factory=list)
     _begun: int = 0
 
-    def take(self, frame: TouchFrame) -> list[News]:
-        """What a frame changes, in order."""
+    def process(self, frame: TouchFrame) -> list[News]:
+        """Return the changes of a frame, in order."""
         news: list[News] = []
         for touch in touches(frame):
             if isinstance(touch, Began):
@@ -69,14 +69,14 @@ class Painter:
         return news
 
     def undo(self) -> list[News]:
-        """Take back the last stroke, or the last clear."""
+        """Undo the last stroke or the last clear."""
         if not self._history:
             return []
         self.strokes = self._history.pop()
         return [(Change.UNDONE, None)]
 
     def clear(self) -> list[News]:
-        """An empty paper; undo brings the strokes back."""
+        """Remove all strokes; undo restores them."""
         if not self.strokes:
             return []
         self._remember([])
@@ -99,14 +99,14 @@ class Painter:
         if touch.key in self._chosen:
             return []
         if touch.key not in self._open:
-            self._open[touch.key] = self._stroke()  # It was down before we came.
+            self._open[touch.key] = self._stroke()  # The touch began before this client started.
         stroke = self._open[touch.key]
         waiting = self._leaving.setdefault(touch.key, deque())
         waiting.append(touch)
         while waiting and (touch.pointer.pressure > LEAST or len(waiting) > HELD_BACK):
-            seen = waiting.popleft()
-            x, y = seen.pointer.x_mm, seen.pointer.y_mm
-            stroke.add(x, y, seen.pointer.pressure, seen.time_us)
+            held = waiting.popleft()
+            x, y = held.pointer.x_mm, held.pointer.y_mm
+            stroke.add(x, y, held.pointer.pressure, held.time_us)
         return [(Change.GREW, stroke)]
 
     def _end(self, touch: Ended) -> list[News]:
@@ -135,7 +135,7 @@ class Painter:
     def _stroke(self) -> Stroke:
         self._begun += 1
         if self.vary:
-            # A step that has no divisor in common with 8 colours: all of them come.
+            # The step 3 and the 8 colours have no common divisor, so all colours appear.
             self.colour = COLOURS[(3 * self._begun) % len(COLOURS)]
             self.brush = BRUSHES[(self._begun - 1) % len(BRUSHES)]
         return Stroke(self.brush, self.colour, self._begun)

@@ -1,6 +1,6 @@
-"""The palette: colours down the left edge of the surface, brushes and wishes down the right.
+"""The palette: colours at the left edge of the surface, brushes and actions at the right.
 
-Rule: values; where a cell is, in shares of the surface, and what it means.
+Rule: values only: the area of each cell in u and v, and its meaning.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from enum import Enum
 from halo_paint.brushes import BRUSHES, COLOURS, Brush, Colour
 
 STRIP = 0.065
-"""Width of either strip over the surface's, about a finger's."""
+"""Width of each strip relative to the surface: about a finger."""
 
 
 class Action(Enum):
-    """What one can ask for beside colours and brushes."""
+    """The commands of the palette."""
 
     UNDO = "undo"
     CLEAR = "clear"
@@ -24,7 +24,7 @@ class Action(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A place to touch."""
+    """A button of the palette."""
 
     area: tuple[float, float, float, float]
     """Left, far, right and near edge over the surface's width and height."""
@@ -45,7 +45,7 @@ CELLS = (
 
 
 def cell_at(u: float, v: float) -> Cell | None:
-    """The cell under a place, if there is one; the strips reach beyond the surface's edges."""
+    """Return the cell at (u, v) or None; cells extend beyond the surface's edges."""
     if STRIP < u < 1.0 - STRIP:
         return None
     column = [cell for cell in CELLS if (cell.area[0] < 0.5) == (u < 0.5)]

@@ -1,6 +1,6 @@
 """A recorded stream as a picture, PNG or SVG.
 
-Rule: no window and no clock; the picture shows what was painted when the stream ended.
+Rule: no window, no clock; the picture shows the end of the stream.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ KINDS = (".png", ".svg")
 
 
 def painted(frames: Iterable[TouchFrame], painter: Painter) -> list[Stroke]:
-    """All strokes of a stream."""
+    """Return all strokes of a stream."""
     for frame in frames:
-        painter.take(frame)
+        painter.process(frame)
     return painter.strokes
 
 
 def to_pixels(
     strokes: Sequence[Stroke], width_mm: float, height_mm: float, width_px: int = WIDTH_PX
 ) -> Pixels:
-    """The surface as a picture of so many pixels across."""
+    """Return the surface as a picture `width_px` wide."""
     height_px = round(width_px * height_mm / width_mm)
     canvas = Canvas(
         width_px, height_px, PictureTransform.fitted(width_px, height_px, width_mm, height_mm)
@@ -42,7 +42,7 @@ def to_pixels(
 
 
 def save(path: Path, strokes: Sequence[Stroke], width_mm: float, height_mm: float) -> None:
-    """Write a PNG or an SVG, by the name's end. `OSError` or `ValueError` where it cannot be."""
+    """Write a PNG or SVG, by the file's suffix. Raises `OSError`, `ValueError`."""
     if path.suffix.lower() == ".svg":
         path.write_text(to_svg(strokes, width_mm, height_mm, PAPER), encoding="utf-8")
     elif path.suffix.lower() == ".png":
@@ -52,7 +52,7 @@ def save(path: Path, strokes: Sequence[Stroke], width_mm: float, height_mm: floa
 
 
 def write_png(path: Path, pixels: Pixels) -> None:
-    """`OSError` where it cannot be written."""
+    """Write (H, W, 3) pixels as PNG. Raises `OSError`."""
     picture = pygame.image.frombuffer(pixels.tobytes(), pixels.shape[1::-1], "RGB")
     with path.open("wb") as file:
         pygame.image.save(picture, file, "x.png")

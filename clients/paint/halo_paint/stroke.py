@@ -1,7 +1,7 @@
-"""A stroke: what a finger did, and the smooth curve that it means.
+"""A stroke: the points of a finger and the smooth curve through them.
 
-Rule: pure. A stroke grows a piece at a time, and a piece never changes once it is there: what
-is painted live is what is saved.
+Rule: pure. A stroke grows piece by piece, and a piece never changes: the saved picture equals
+the live one.
 """
 
 from __future__ import annotations
@@ -14,29 +14,29 @@ import numpy as np
 from halo_paint.brushes import Array, Brush, Colour, ink, turned, width_mm
 
 SOFTEN_S = 0.05
-"""Pressure follows the finger so fast; transitions inside a stroke are smooth."""
+"""Time constant of the pressure; it smooths transitions within a stroke."""
 STEADY_S = 0.12
-"""Likewise the direction, for the eye sees each tremble of a broad nib."""
+"""Time constant of the direction; a broad nib makes each tremble visible."""
 STEP_MM = 0.4
-"""Distance of the curve's points."""
+"""Distance between points of the curve."""
 LONGEST_MM = 400.0
-"""A jump from end to end of any table; a wilder one is a mistake of the sensing, and cut."""
+"""Longest jump that is drawn with points at `STEP_MM`; a longer one is a sensing error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Knot:
-    """Where a finger was seen, mm on the surface, and how hard it pressed."""
+    """A measured point of the finger: mm on the surface, and pressure."""
 
     x: float
     y: float
     pressure: float
     direction: float
-    """Of its way, radians, smoothed."""
+    """Direction of motion, radians, smoothed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A part of a stroke's curve, ready to be drawn. Arrays of N points, mm."""
+    """A part of a stroke's curve, ready to draw. Arrays of N points, mm."""
 
     x: Array
     y: Array
@@ -49,12 +49,12 @@ class Piece:
 
 @dataclass(slots=True)
 class Stroke:
-    """One touch, painted."""
+    """One touch as a painted line."""
 
     brush: Brush
     colour: Colour
     seed: int
-    """Of the strands' ink."""
+    """Seed of the bristles' ink."""
     knots: list[Knot] = field(default_factory=list)
     pieces: list[Piece] = field(default_factory=list)
     done: bool = False
@@ -64,8 +64,8 @@ class Stroke:
     _reached: tuple[float, float, float] | None = None
 
     def add(self, x: float, y: float, pressure: float, time_us: int) -> None:
-        """The finger was seen here; grows the curve to half way from the last place."""
-        # Half way from the place before: what trembles from frame to frame cancels out.
+        """Add a point; the curve grows to half way from the last point."""
+        # The mean of two points: jitter from frame to frame cancels out.
         before = self._seen if self.knots else (x, y)
         self._seen = (x, y)
         x, y = (x + before[0]) / 2, (y + before[1]) / 2
@@ -77,7 +77,7 @@ class Stroke:
             self._curve_to(last, _middle(last, now))
 
     def end(self) -> None:
-        """The finger left; draws the rest of the way to where it was last."""
+        """End the stroke: draw the rest of the curve, to the last point."""
         if not self.done and self.knots:
             last = self.knots[-1]
             self._curve_to(last, (*self._seen, last.pressure))
@@ -92,7 +92,7 @@ class Stroke:
             share, steady = (1 - math.exp(-passed_s / each) for each in (SOFTEN_S, STEADY_S))
             way = (x - last.x, y - last.y)
             turn = math.remainder(math.atan2(way[1], way[0]) - last.direction, 2 * math.pi)
-            # Who stands still has no direction, and who has just begun has no old one.
+            # A finger at rest has no direction; a new stroke has no old direction.
             share_turn = min(1.0, math.hypot(*way) / 2.0) * (
                 1.0 if len(self.knots) == 1 else steady
             )
@@ -107,7 +107,7 @@ class Stroke:
         self._time_us = time_us
 
     def _curve_to(self, bend: Knot, end: tuple[float, float, float]) -> None:
-        """A quadratic curve from where the stroke has come to, bent towards a knot."""
+        """Append a quadratic curve from the stroke's end, with a knot as control point."""
         begin = self._reached
         assert begin is not None  # add() set it with the first knot
         length = math.dist(begin[:2], (bend.x, bend.y)) + math.dist((bend.x, bend.y), end[:2])
@@ -129,7 +129,7 @@ class Stroke:
 
 
 def whole(stroke: Stroke) -> Piece:
-    """All pieces of a stroke as one; points that neighbours share come once."""
+    """Join all pieces of a stroke; shared end points appear once."""
     parts = [(piece, slice(1 if number else 0, None)) for number, piece in enumerate(stroke.pieces)]
     names = ("x", "y", "radius", "direction", "ink")
     return Piece(
@@ -142,7 +142,7 @@ def _middle(a: Knot, b: Knot) -> tuple[float, float, float]:
 
 
 def _directions(x: Array, y: Array, otherwise: float) -> Array:
-    """Along the curve; where it stands still, the direction that it had."""
+    """Directions along the curve; where the curve does not move, `otherwise`."""
     dx, dy = np.gradient(x), np.gradient(y)
     direction: Array = np.where(np.hypot(dx, dy) > 1e-6, np.arctan2(dy, dx), otherwise)
     return direction

@@ -1,7 +1,7 @@
 """Strokes as an SVG: curves in millimetres, to be scaled to any size.
 
-Rule: pure; text comes out. A stroke is a rectangle of its colour behind a mask; the mask's grey
-is the ink. Greys are opaque, so parts of a stroke that overlap do not add up, as on the canvas.
+Rule: pure; returns text. A stroke is a rectangle of its colour behind a mask; the mask's grey
+is the ink. Greys are opaque, so overlapping parts of a stroke do not add up, as on the canvas.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from halo_paint.brushes import PAPER, Array, Colour
 from halo_paint.stroke import Piece, Stroke, whole
 
 SPACING_MM = 1.4
-"""Distance of the curve's points that are kept; between them it is a cubic curve."""
+"""Distance between points in the file; cubic curves join them."""
 GREYS = 32
-"""Steps of ink along a strand."""
+"""Number of ink levels along a strand."""
 OVERLAP = 0.3
-"""Of neighbouring strands, in their width: no paper shows between them."""
+"""Overlap of neighbouring strands, relative to their width: no gaps."""
 TURN = 0.5
 """Change of direction between two points, radians, above which a disc rounds the outer edge."""
 TAPER = 0.5
@@ -29,7 +29,7 @@ TAPER = 0.5
 def to_svg(
     strokes: Iterable[Stroke], width_mm: float, height_mm: float, paper: Colour = PAPER
 ) -> str:
-    """A whole file."""
+    """Return the text of a file."""
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width_mm:g}mm" height="{height_mm:g}mm" '
         f'viewBox="0 0 {width_mm:g} {height_mm:g}">',
@@ -42,7 +42,7 @@ def to_svg(
 
 
 def _stroke(stroke: Stroke, number: int) -> Iterator[str]:
-    piece = _seen(_thinned(whole(stroke)))
+    piece = _visible(_thinned(whole(stroke)))
     reach = float(piece.radius.max()) + 1.0
     left, top = float(piece.x.min()) - reach, float(piece.y.min()) - reach
     right, low = float(piece.x.max()) + reach, float(piece.y.max()) + reach
@@ -61,26 +61,26 @@ def _thinned(piece: Piece) -> Piece:
     steps = np.hypot(np.diff(piece.x), np.diff(piece.y))
     along = np.concatenate([[0.0], np.cumsum(steps)])
     count = max(2, 1 + round(float(along[-1]) / SPACING_MM))
-    wanted = np.searchsorted(along, np.linspace(0.0, along[-1], count))
-    keep = np.unique(np.concatenate([[0], wanted, [len(along) - 1]]).clip(0, len(along) - 1))
-    return _kept(piece, keep)
+    chosen = np.searchsorted(along, np.linspace(0.0, along[-1], count))
+    keep = np.unique(np.concatenate([[0], chosen, [len(along) - 1]]).clip(0, len(along) - 1))
+    return _select(piece, keep)
 
 
-def _seen(piece: Piece) -> Piece:
-    """Without what lies within a wider place: a finger that lifts off where it has pressed."""
+def _visible(piece: Piece) -> Piece:
+    """Remove points inside a larger disc, as when a finger lifts off where it pressed."""
     apart = np.hypot(piece.x[:, None] - piece.x, piece.y[:, None] - piece.y)
     hidden = (apart + piece.radius[:, None] < piece.radius).any(axis=1)
-    return _kept(piece, np.flatnonzero(~hidden))
+    return _select(piece, np.flatnonzero(~hidden))
 
 
-def _kept(piece: Piece, keep: NDArray[np.intp]) -> Piece:
+def _select(piece: Piece, keep: NDArray[np.intp]) -> Piece:
     return Piece(
         piece.x[keep], piece.y[keep], piece.radius[keep], piece.direction[keep], piece.ink[keep]
     )
 
 
 def _strand(piece: Piece, strand: int, count: int) -> Iterator[str]:
-    """One strand, or a stroke of one: runs of even ink, each a closed curve."""
+    """One strand: runs of constant ink, each a closed curve."""
     low, high = (2 * (strand + n) / count - 1 for n in (0, 1))
     if strand < count - 1:
         high += OVERLAP * 2 / count
@@ -90,7 +90,7 @@ def _strand(piece: Piece, strand: int, count: int) -> Iterator[str]:
         greys = np.concatenate([greys[:1], greys, greys[-1:]])
     for begin, end in _runs(greys):
         shade = _grey(int(greys[begin]))
-        # Two points more than the run: the next one lies over them, and no seam shows.
+        # Two points more than the run: the next run covers them, so that no seam is visible.
         path = _closed(*(edge[begin : end + 3] for edge in edges))
         if path:
             yield f'<path fill="{shade}" d="{path}"/>'
@@ -111,7 +111,7 @@ def _discs(piece: Piece) -> Iterator[str]:
 
 
 def _edge(piece: Piece, side: float, *, capped: bool) -> Array:
-    """(N, 2) points at -1, the left edge, to 1, the right one; with a round end where wanted."""
+    """(N, 2) points at -1, the left edge, to 1, the right one; with a round end if `capped`."""
     cos, sin = np.cos(piece.direction), np.sin(piece.direction)
     away = piece.radius * side
     points: Array = np.stack([piece.x - sin * away, piece.y + cos * away], axis=1)
@@ -130,7 +130,7 @@ def _runs(greys: NDArray[np.int_]) -> list[tuple[int, int]]:
 
 
 def _closed(left: Array, right: Array) -> str:
-    """There along the left edge, back along the right one."""
+    """Along the left edge, then back along the right edge."""
     if len(left) < 2:
         return ""
     there, back = _curve(left), _curve(right[::-1])
@@ -139,7 +139,7 @@ def _closed(left: Array, right: Array) -> str:
 
 
 def _curve(points: Array) -> str:
-    """Cubic curves through points (Catmull and Rom's), from the first, where the pen is."""
+    """Cubic curves through points (Catmull-Rom), from the current point."""
     padded = np.concatenate([points[:1], points, points[-1:]])
     handles = (padded[2:] - padded[:-2]) / 6
     parts = [

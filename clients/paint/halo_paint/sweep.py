@@ -1,7 +1,6 @@
-"""A stroke swept into its layer: discs from place to place, soft over one pixel at their edges.
+"""Draw a stroke into its layer: discs from point to point, with edges soft over one pixel.
 
-Rule: pure NumPy, and only the opacity of one stroke. Its parts never add up: where they overlap,
-the denser one counts.
+Rule: pure NumPy; the opacity of one stroke. Where its parts overlap, the larger opacity counts.
 """
 
 from __future__ import annotations
@@ -24,20 +23,20 @@ Box = tuple[slice, slice]
 """Rows and columns."""
 
 STEP = 0.3
-"""Distance of the discs that a stroke is swept with, over their radius."""
+"""Distance between discs, relative to their radius."""
 LEAST_PX = 0.35
-"""A disc is no smaller: a thinner line would vanish between the pixels."""
+"""Smallest radius of a disc: a thinner line would vanish between pixels."""
 HALF = 64
-"""Steps of the strands' table to either side of the middle."""
+"""Number of steps of the strands' table on each side of the middle."""
 SHARP = 0.5
-"""How much of a disc must show until all of it is drawn, strands and all."""
+"""Visible share of a disc above which the whole disc is drawn."""
 SOFT = 0.5
-"""Width over which a strand's ink becomes its neighbour's, over a strand's: an edge, no step."""
+"""Width of the transition between two strands, relative to a strand."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Disc:
-    """A place that a stroke goes through, px."""
+    """A point of a stroke, px."""
 
     x: float
     y: float
@@ -47,7 +46,7 @@ class _Disc:
 
 
 def sweep(layer: Layer, placing: PictureTransform, stroke: Stroke, drawn: int = 0) -> Box | None:
-    """Draw a stroke's pieces from one on into its layer; returns where."""
+    """Draw a stroke's pieces from number `drawn` on; return the box that changed, or None."""
     pieces = stroke.pieces
     opened = _opening(pieces[drawn - 1], -2, -1) if drawn else math.inf
     boxes = []
@@ -81,7 +80,7 @@ def _sweep(
 
 
 def _opening(piece: Piece, begin: int, end: int) -> float:
-    """How much of a disc shows between two stretches, 0 to 1: where a stroke turns or narrows."""
+    """Visible share of the disc between two stretches, 0 to 1: where a stroke turns or narrows."""
     turn = abs(math.remainder(piece.direction[end] - piece.direction[begin], 2 * math.pi))
     way = math.hypot(piece.x[end] - piece.x[begin], piece.y[end] - piece.y[begin])
     narrowing = abs(piece.radius[end] - piece.radius[begin]) / max(way, 1e-6)
@@ -89,7 +88,7 @@ def _opening(piece: Piece, begin: int, end: int) -> float:
 
 
 def _stops(x: Array, y: Array, radius: Array) -> list[int]:
-    """The points to draw through: the first, the last, and as many as their size asks for."""
+    """Indices of points to draw: first, last, and others by their distance and radius."""
     stops = [0]
     for n in range(1, len(x)):
         begin = stops[-1]
@@ -102,15 +101,15 @@ def _stops(x: Array, y: Array, radius: Array) -> list[int]:
 def _stretch(
     layer: Layer, begin: _Disc, end: _Disc, direction: float, beyond_px: float
 ) -> Box | None:
-    """A disc drawn from one place to the next, its radius and ink changing on the way.
+    """Draw from one disc to the next, with radius and ink interpolated.
 
-    `direction` is the stroke's where the disc stands still. Strands reach at most so far
-    beyond the two places: a wet stretch would fill the dry one beside it.
+    `direction`: of the stroke, used if the two discs coincide. `beyond_px`: how far strands may
+    extend beyond the two points, because a wet stretch must not fill a dry neighbour.
     """
     box = _reached(layer, begin, end)
     if box is None:
         return None
-    # Relative to the beginning, at the pixels' centres.
+    # Relative to the first disc, at pixel centres.
     x = np.arange(box[1].start, box[1].stop, dtype=np.float32) + np.float32(0.5 - begin.x)
     y = np.arange(box[0].start, box[0].stop, dtype=np.float32)[:, None] + np.float32(0.5 - begin.y)
     dx, dy = np.float32(end.x - begin.x), np.float32(end.y - begin.y)
@@ -124,10 +123,10 @@ def _stretch(
     else:
         within_px = np.sqrt(way) * np.minimum(along, 1 - along)
         opacity *= np.clip(within_px + np.float32(beyond_px), 0, 1)
-        if way > 1e-3:  # In pixels a homography may have turned it.
+        if way > 1e-3:  # In pixels, because a homography may rotate it.
             direction = float(np.arctan2(dy, dx))
-        aside = np.float32(np.cos(direction)) * y - np.float32(np.sin(direction)) * x
-        strand = np.clip((aside / radius + 1) * HALF, 0, 2 * HALF).astype(np.intp)
+        across = np.float32(np.cos(direction)) * y - np.float32(np.sin(direction)) * x
+        strand = np.clip((across / radius + 1) * HALF, 0, 2 * HALF).astype(np.intp)
         here, there = (_across(disc.ink)[strand] for disc in (begin, end))
         opacity *= here + (there - here) * t
     np.maximum(layer[box], opacity, out=layer[box])
@@ -135,18 +134,18 @@ def _stretch(
 
 
 def _across(ink: Array) -> NDArray[np.float32]:
-    """The ink across a stroke, from its left edge to its right one."""
+    """Return the ink across a stroke, from its left to its right edge."""
     count = len(ink)
     places = np.linspace(-0.5, count - 0.5, 2 * HALF + 1)
     left = np.floor(places)
     part = np.clip((places - left - 0.5) / SOFT + 0.5, 0.0, 1.0)
-    here, beside = (ink[np.clip(left + n, 0, count - 1).astype(np.intp)] for n in (0, 1))
-    table: NDArray[np.float32] = (here + (beside - here) * part).astype(np.float32)
+    here, next_to = (ink[np.clip(left + n, 0, count - 1).astype(np.intp)] for n in (0, 1))
+    table: NDArray[np.float32] = (here + (next_to - here) * part).astype(np.float32)
     return table
 
 
 def _reached(layer: Layer, begin: _Disc, end: _Disc) -> Box | None:
-    """The pixels that a stretch may touch; None where they are all beside the layer."""
+    """Box of the pixels that a stretch may change; None outside the layer."""
     height, width = layer.shape
     reach = max(begin.radius, end.radius) + 1.0
     left, right = (round(f(begin.x, end.x) + s * reach) for f, s in ((min, -1), (max, 1)))

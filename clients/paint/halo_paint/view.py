@@ -1,7 +1,6 @@
-"""What the painter sees: the paper, the palette at its edges, and where fingers hover.
+"""The painter's picture: the paper, the palette at its edges, and hovering fingers.
 
-Rule: it draws what it is told, on any pygame surface, and reads no clock. The paper is copied
-only where it changed.
+Rule: draws on any pygame surface; reads no clock. Only changed parts of the paper are copied.
 """
 
 from __future__ import annotations
@@ -22,11 +21,11 @@ from halo_window import Placed
 PALETTE = (236, 231, 220)
 INK = (60, 58, 66)
 NEAR_MM = 25.0
-"""A finger that hovers lower than this shows where it would paint."""
+"""Below this height, a ring shows where the finger would paint."""
 
 
 class View:
-    """A canvas of the screen's size, and a sheet that holds what of it was changed."""
+    """A canvas of the screen's size, and its copy as a pygame surface."""
 
     def __init__(self, size: tuple[int, int], placed: Placed) -> None:
         self.size, self.placed = size, placed
@@ -37,8 +36,8 @@ class View:
         self._strips: list[tuple[pygame.Surface, pygame.Rect]] = []
         self._chosen: tuple[Brush, Colour] | None = None
 
-    def take(self, news: list[News], painter: Painter) -> None:
-        """Bring the paper up to date."""
+    def update(self, news: list[News], painter: Painter) -> None:
+        """Apply changes to the paper."""
         for change, stroke in news:
             if change is Change.GREW and stroke is not None:
                 self._copy(self.canvas.grow(stroke))
@@ -51,7 +50,7 @@ class View:
     def draw(
         self, screen: pygame.Surface, painter: Painter, fingers: tuple[Pointer, ...], note: str
     ) -> None:
-        """The whole picture; `note` is a line of words at its lower edge."""
+        """Draw everything; `note` is a line of text at the lower edge."""
         screen.blit(self._sheet, (0, 0))
         if self._chosen != (painter.brush, painter.colour):
             self._chosen = painter.brush, painter.colour
@@ -69,10 +68,10 @@ class View:
         if box is not None:
             pixels = pygame.surfarray.pixels3d(self._sheet)
             pixels[box[1], box[0]] = self.canvas.pixels[box].swapaxes(0, 1)
-            del pixels  # It holds a lock on the sheet.
+            del pixels  # The array locks the surface.
 
     def _strip(self, left: bool, painter: Painter) -> tuple[pygame.Surface, pygame.Rect]:
-        """One side of the palette, drawn when a choice was made, and where it goes."""
+        """Draw one side of the palette; return it and its place."""
         sheet = pygame.Surface(self.size, pygame.SRCALPHA)
         for cell in CELLS:
             if (cell.area[0] < 0.5) == left:
@@ -102,7 +101,7 @@ class View:
     def _sample(
         self, screen: pygame.Surface, brush: Brush, painter: Painter, u: float, v: float
     ) -> None:
-        """A short stroke of the brush itself, from light to strong."""
+        """Draw a short stroke of the brush, from light to strong."""
         x, y = u * self.placed.width_mm, v * self.placed.height_mm
         stroke = Stroke(brush, painter.colour, seed=1)
         fall_mm = -6.0 if brush.nib_deg is None else 6.0  # Across the nib, not along it.

@@ -1,7 +1,7 @@
-"""`halo-monitor`: what a halo service says, in a terminal or as lines of JSON.
+"""`halo-monitor`: shows what a halo service sends, in a terminal or as lines of JSON.
 
-Rule: the rim. It reads the clock, prints, and knows when to end; what is shown is made in
-`monitor_view`, what is received in `halo_client`.
+Rule: input and output only: it reads the clock and prints. `monitor_view` formats,
+`halo_client` receives.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from halo_tools.monitor_view import View
 
 _TICK_S = 0.1
 _PIPED_TICK_S = 1.0
-"""A file or a pipe gets a picture a second; a terminal ten, each over the last."""
+"""A file or pipe gets one picture per second; a terminal gets ten, each replacing the last."""
 _PATIENCE_S = 2.0
-"""How long `--json` stays silent before it says that nothing comes."""
+"""Time without frames after which `--json` prints a message."""
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the command. 0: it ended as asked; 1: too few frames came; 2: it could not begin."""
+    """Run the command; return 0, 1 if too few frames came, 2 if it cannot start."""
     parser = argparse.ArgumentParser(
         prog="halo-monitor",
         description="Show what a halo service sends: pointers, rates, latency, losses.",
@@ -38,7 +38,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Show what comes until the end that the options set; return the exit code of `main`."""
+    """Show frames until the end set by the options; return the exit code of `main`."""
     logging.basicConfig(format="halo-monitor: %(message)s", level=logging.WARNING)
     try:
         with halo_client.receive(options.source) as receiver:
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         return 0
     except BrokenPipeError:
-        # Whoever read us has seen enough. Python would complain once more when it flushes.
+        # The reader closed the pipe. Without this, Python reports the error again when it flushes.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 
@@ -91,7 +91,7 @@ def _show(receiver: Receiver, options: argparse.Namespace) -> int:
             if options.seconds is not None and time.monotonic() - began_s >= options.seconds:
                 break
             events = receiver.poll(_TICK_S)
-            show.take(events, time.monotonic(), time.time_ns() // 1000)
+            show.update(events, time.monotonic(), time.time_ns() // 1000)
             frames += sum(isinstance(event, TouchFrame) for event in events)
             if not frames and isinstance(show, JsonLines):
                 show.patience(receiver.url, time.monotonic() - began_s)
@@ -104,30 +104,30 @@ def _show(receiver: Receiver, options: argparse.Namespace) -> int:
 
 
 class JsonLines:
-    """One line an event, flushed, so that a pipe reads live."""
+    """Prints one line per event, flushed, so that a pipe gets it at once."""
 
     def __init__(self, out: TextIO) -> None:
         self._out = out
-        self._told = False
+        self._warned = False
 
-    def take(self, events: list[Event], now_s: float, unix_us: int) -> None:
-        """Print events that came at this time."""
+    def update(self, events: list[Event], now_s: float, unix_us: int) -> None:
+        """Print events with their arrival time."""
         for event in events:
             line = {**event_to_json(event), "received_us": unix_us}
             print(json.dumps(line), file=self._out, flush=True)
 
     def patience(self, url: str, waited_s: float) -> None:
-        """Say once, beside the lines, that nothing has come yet."""
-        if waited_s > _PATIENCE_S and not self._told:
-            self._told = True
+        """Print once to stderr that nothing has arrived yet."""
+        if waited_s > _PATIENCE_S and not self._warned:
+            self._warned = True
             print(waiting(url), file=sys.stderr, flush=True)
 
     def end(self) -> None:
-        """Nothing is left to print."""
+        """Nothing to do."""
 
 
 class Picture:
-    """A view drawn over and over: in place on a terminal, one below the other in a pipe."""
+    """Draws the view again and again: in place on a terminal, one below the other in a pipe."""
 
     def __init__(self, out: TextIO, receiver: Receiver) -> None:
         self._out = out
@@ -138,15 +138,15 @@ class Picture:
         self._in_place = out.isatty()
         self._tick_s = _TICK_S if self._in_place else _PIPED_TICK_S
 
-    def take(self, events: list[Event], now_s: float, unix_us: int) -> None:
-        """Remember events; draw when it is time to."""
+    def update(self, events: list[Event], now_s: float, unix_us: int) -> None:
+        """Take in events; draw if it is time."""
         for event in events:
-            self._view.take(event, now_s, unix_us)
+            self._view.update(event, now_s, unix_us)
         if self._drawn_s is None or now_s - self._drawn_s >= self._tick_s:
             self._draw(now_s)
 
     def end(self) -> None:
-        """Leave the last picture as it is now."""
+        """Draw the last picture."""
         self._draw(time.monotonic())
 
     def _draw(self, now_s: float) -> None:
@@ -157,7 +157,7 @@ class Picture:
             print("\n".join([*lines, ""]), file=self._out, flush=True)
             return
         size = shutil.get_terminal_size()
-        # A line that wraps, or a picture taller than the window, could not be drawn over.
+        # Cut to the window: a wrapped line or a taller picture cannot be overwritten.
         lines = [line[: size.columns - 1] for line in lines[: size.lines - 1]]
         back = f"\x1b[{self._height}F" if self._height else ""
         print(f"{back}\x1b[J" + "\n".join(lines), file=self._out, flush=True)

@@ -1,6 +1,6 @@
-"""What the monitor shows, as lines of text.
+"""The monitor's picture, as lines of text.
 
-Rule: pure. Events and times come in, lines go out; nothing is printed here and no clock read.
+Rule: pure. Events and times in, lines out; no printing, no clock.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from halo_protocol import (
 )
 
 _WINDOW_S = 1.0
-"""Rates and latencies are of the last second."""
+"""Rates and latencies cover the last second."""
 _EVENTS = 6
-"""Touches that stay in view."""
+"""Number of touches shown."""
 _BELIEVABLE_US = 60_000_000
-"""A frame that is older, or comes from the future, has a recording's time and no latency."""
+"""A frame further from now than this has a recording's time, so its latency is unknown."""
 
 LOUD = {
     Source.VIRTUAL: "!! VIRTUAL SENSOR: no camera looks at a real hand !!",
     Source.RECORDING: "!! RECORDING: what you see happened earlier !!",
 }
-"""What stands behind the pointers, where it is no camera."""
+"""Warnings if the source is not a camera."""
 
 # 80 columns, so that it fits the smallest terminal.
 HEADINGS = "   id slot hand    finger state    x mm    y mm  hov mm  press  grams  conf hits"
@@ -57,20 +57,20 @@ class _Stream:
 
 
 class View:
-    """What there is to show. Bounded: a stream goes when its service does."""
+    """State of the picture. Bounded: a stream is removed when its service is lost."""
 
     def __init__(self) -> None:
         self._streams: dict[tuple[str, str, str], _Stream] = {}
 
-    def take(self, event: Event, now_s: float, unix_us: int) -> None:
-        """Remember an event that came at `now_s`, at that Unix time."""
+    def update(self, event: Event, now_s: float, unix_us: int) -> None:
+        """Take in an event that arrived at `now_s` and at this Unix time."""
         if isinstance(event, TouchFrame):
-            self._take_frame(event, now_s, unix_us)
+            self._add_frame(event, now_s, unix_us)
         elif isinstance(event, Lost):
             self._streams.pop((event.node, event.surface, event.session), None)
 
     def lines(self, url: str, known: KnownServices, losses: Losses, now_s: float) -> list[str]:
-        """The picture, without line ends."""
+        """Return the picture as lines."""
         head = f"halo monitor · {url} · protocol {VERSION}"
         lost = (
             f"lost {losses.missed} frames, {losses.incomplete} in part · "
@@ -83,7 +83,7 @@ class View:
             lines += ["", *_scene_lines(known), waiting(url)]
         return lines
 
-    def _take_frame(self, frame: TouchFrame, now_s: float, unix_us: int) -> None:
+    def _add_frame(self, frame: TouchFrame, now_s: float, unix_us: int) -> None:
         key = (frame.node, frame.surface, frame.session)
         stream = self._streams.setdefault(key, _Stream(frame))
         stream.frame = frame
@@ -97,7 +97,7 @@ class View:
 
 
 def latency_ms(frame: TouchFrame, unix_us: int) -> float | None:
-    """From the frame's time to its arrival; None where its time is not the clock's."""
+    """Time from the frame to its arrival; None if the frame's time is not this clock's."""
     age_us = unix_us - frame.time_us
     return age_us / 1000 if abs(age_us) < _BELIEVABLE_US else None
 
@@ -164,10 +164,10 @@ def _event_words(event: Down | Up) -> str:
 
 
 def _latency(stream: _Stream) -> str:
-    known = [value for value in stream.latencies_ms if value is not None]
-    if not known:
+    values = [value for value in stream.latencies_ms if value is not None]
+    if not values:
         return "- (a recording's time)"
-    return f"{median(known):.1f} ms, at most {max(known):.1f}"
+    return f"{median(values):.1f} ms, at most {max(values):.1f}"
 
 
 def _ms(value_ms: float) -> str:
@@ -177,5 +177,5 @@ def _ms(value_ms: float) -> str:
 def _word(
     words: type[State | Hand | Finger | Source | Calibration | Camera | Tracker], n: int
 ) -> str:
-    """An enumeration's word; the number where a later version has a new one."""
+    """Return the enumeration's word, or the number if this version does not know it."""
     return words(n).name.lower() if n in set(words) else str(n)

@@ -1,1 +1,1 @@
-"""Typing on a table: the guest's pure core. No I/O, no clock, no window."""
+"""Typing on a table: the pure part of a client. No I/O, no clock, no window."""

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 KEY_MM = 16.0
 ROWS = ("qwertyuiop", "asdfghjkl", "zxcvbnm")
 SHIFT_KEYS = (0.0, 0.25, 0.75)
-"""How far each row is set in, in keys."""
+"""Offset of each row, in keys."""
 SPACE = " "
 SPACE_KEYS = (2.0, 5.0)
-"""Where the space bar begins and how wide it is, in keys."""
+"""Start and width of the space bar, in keys."""
 WIDTH_MM = 10 * KEY_MM
 HEIGHT_MM = 4 * KEY_MM
 
@@ -32,7 +32,7 @@ class Key:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """What one aims at, mm."""
+        """Centre of the key, mm."""
         return self.x_mm + self.width_mm / 2.0, self.y_mm + self.height_mm / 2.0
 
     def inside(self, x_mm: float, y_mm: float) -> float:
@@ -55,7 +55,7 @@ def keyboard(x_mm: float, y_mm: float) -> dict[str, Key]:
 
 
 def key_at(keys: dict[str, Key], x_mm: float, y_mm: float) -> str | None:
-    """The character of the key that a touch hits, or None between and beside them."""
+    """The character of the key that a touch hits, or None outside all keys."""
     for character, key in keys.items():
         if key.x_mm <= x_mm < key.x_mm + key.width_mm and (
             key.y_mm <= y_mm < key.y_mm + key.height_mm

@@ -1,8 +1,8 @@
 """How well somebody typed: speed and errors of one phrase, after the definitions in use.
 
 Rule: pure. A phrase's typing is a transcription sequence: after each entry, the time and the whole
-text so far (Zhang and Wobbrock 2019). Comparing neighbours tells what was erased, whatever the
-means of erasing; so a keyboard with a delete key needs no code of its own here.
+text so far (Zhang and Wobbrock 2019). Comparing neighbours shows what was erased, by any
+means; so a keyboard with a delete key needs no code of its own here.
 
 C, INF and IF are MacKenzie and Soukoreff's (2003): characters right, wrong and left in, and erased
 again. With the minimum string distance MSD(P, T) of the presented and the transcribed text,
@@ -67,7 +67,7 @@ class Typed:
 
 
 def typed(presented: str, entries: Sequence[Entry]) -> Typed:
-    """Judge one phrase; `entries` in order of time, none for somebody who typed nothing."""
+    """Judge one phrase; `entries` in order of time, empty if nothing was typed."""
     transcribed = entries[-1].text if entries else ""
     wrong = distance(presented, transcribed)
     texts = ["", *(entry.text for entry in entries)]
@@ -80,7 +80,7 @@ def typed(presented: str, entries: Sequence[Entry]) -> Typed:
 
 
 def words_per_minute(entries: Sequence[Entry]) -> float:
-    """(|T| - 1) / seconds x 60 / 5: the first character's own time is not known."""
+    """(|T| - 1) / seconds x 60 / 5: the time of the first character is unknown."""
     seconds = entries[-1].time_s - entries[0].time_s if entries else 0.0
     if seconds <= 0.0 or not entries[-1].text:
         return 0.0
@@ -90,17 +90,17 @@ def words_per_minute(entries: Sequence[Entry]) -> float:
 def distance(presented: str, transcribed: str) -> int:
     """Minimum string distance: fewest insertions, deletions and substitutions between the two."""
     row = list(range(len(transcribed) + 1))
-    for i, wanted in enumerate(presented, 1):
+    for i, expected in enumerate(presented, 1):
         diagonal, row[0] = row[0], i
         for j, got in enumerate(transcribed, 1):
-            diagonal, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, diagonal + (wanted != got))
+            diagonal, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, diagonal + (expected != got))
     return row[-1]
 
 
 def erased(before: str, after: str) -> int:
     """How many characters of the earlier text the later one no longer has.
 
-    What both begin with and what both end with has stayed; what lies between was replaced.
+    The common beginning and the common end stay; the text between was replaced.
     """
     most = min(len(before), len(after))
     begin = next((k for k in range(most) if before[k] != after[k]), most)

@@ -1,12 +1,12 @@
-"""A window or the projector for guests that draw, and the loop that feeds them.
+"""A window or projector picture for clients that draw, and their main loop.
 
-Rule: pygame is touched here and in the guests' own drawing. A guest hands in two functions, one
-for frames and one for pictures.
+Rule: pygame is used here and in the clients' drawing code. A client passes two functions: one
+for frames, one for pictures.
 """
 
 import os
 
-# pygame greets on stdout otherwise, where guests may write data.
+# Otherwise pygame prints a greeting to stdout, where clients may write data.
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 from halo_window.loop import listen

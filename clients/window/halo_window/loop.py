@@ -1,7 +1,7 @@
-"""The loop of a guest: a frame is handed on the moment it comes, a picture 60 times a second.
+"""The main loop of a client: each frame at once, a picture 60 times a second.
 
-Rule: one thread. While no picture is due it waits in the receiver, so that a frame never waits
-for longer than a picture takes to draw.
+Rule: one thread. Between pictures it waits in the receiver, so that a frame waits no longer than
+the drawing of one picture.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from halo_window.stage import Stage
 
 PICTURES_HZ = 60.0
 AT_ONCE = 32
-"""Datagrams read before the next picture, so that a flood of them cannot stop the pictures."""
+"""Most datagrams read before the next picture, so that a flood cannot stop the pictures."""
 LINGER_S = 2.0
-"""What a recorded stream leaves behind is seen and heard for so long."""
+"""How long picture and sound go on after the end of a recorded stream."""
 
 
 def listen(
     name: str,
     receiver: Receiver,
     stage: Stage | None,
-    take: Callable[[TouchFrame, float], None],
+    on_frame: Callable[[TouchFrame, float], None],
     draw: Callable[[float, str], None],
 ) -> None:
     """Run until the window is closed or a recorded stream is over.
 
-    `take(frame, now_s)` gets each frame, `draw(now_s, note)` is called for each picture; the note
-    says that nobody plays, or nothing. Ctrl-C and SIGTERM raise `KeyboardInterrupt`;
-    `ClientError` where a recorded stream is broken.
+    `on_frame(frame, now_s)` gets each frame; `draw(now_s, note)` draws each picture, where `note`
+    is empty or says that no frames come. Ctrl-C and SIGTERM raise `KeyboardInterrupt`;
+    raises `ClientError` for a broken recorded stream.
     """
     # Started in a shell's background, a program inherits that Ctrl-C is ignored.
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -43,13 +43,13 @@ def listen(
     silence = Silence(receiver.url, due_s)
     end_s = math.inf
     while (stage is None or stage.open) and time.monotonic() < end_s:
-        heard = []
+        events = []
         for event in _events(receiver, due_s):
-            heard.append(event)
+            events.append(event)
             if isinstance(event, TouchFrame):
-                take(event, time.monotonic())
+                on_frame(event, time.monotonic())
         now_s = time.monotonic()
-        news = silence.notice(heard, now_s)
+        news = silence.notice(events, now_s)
         if news and not receiver.ended:
             print(f"{name}: {news}", file=sys.stderr, flush=True)
         if receiver.ended:
@@ -59,7 +59,7 @@ def listen(
 
 
 def _events(receiver: Receiver, until_s: float) -> Iterator[Event]:
-    """What comes until a time; what waits already, even if it has passed."""
+    """Yield events until a time; those that already wait, even if the time has passed."""
     for _ in range(AT_ONCE):
         left_s = max(0.0, until_s - time.monotonic())
         if receiver.ended:

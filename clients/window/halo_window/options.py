@@ -1,4 +1,4 @@
-"""The options that all guests with a window share."""
+"""The command line options of all clients with a window."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="SOURCE",
-        help="whom to hear: osc://127.0.0.1:9000 (default), "
+        help="where frames come from: osc://127.0.0.1:9000 (default), "
         "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
     parser.add_argument(

@@ -1,7 +1,7 @@
 """The window.
 
-Rule: pygame's window and its events, nothing of what is drawn. Full screen means the projector:
-then the picture goes through the homography as soon as the service tells one.
+Rule: pygame's window and its events, no drawing. Full screen means the projector: the picture
+then uses the homography, once the service has sent one.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from halo_client.picture import HEIGHT_MM, WIDTH_MM
 
 SIZE = (1200, 800)
 MARGIN = 0.02
-UNSEEN = ("dummy", "offscreen")
-"""What SDL falls back to by itself where there is no screen; who wants that says so."""
+WITHOUT_DISPLAY = ("dummy", "offscreen")
+"""SDL's fallback drivers without a screen; accepted only if SDL_VIDEODRIVER names one."""
 
 
 class StageError(Exception):
-    """There is nowhere to draw. The message is meant for the user."""
+    """There is no display. The message is for the user."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """Where the surface is in the picture, and how large it is."""
+    """The place of the surface in the picture, and its size."""
 
     placing: PictureTransform
     width_mm: float
@@ -35,17 +35,20 @@ class Placed:
 
 
 class Stage:
-    """A window, or a whole display. A context manager; `StageError` where there is none."""
+    """A window or a full display; a context manager. Raises `StageError` without a display."""
 
     def __init__(self, title: str, full_screen: bool = False, display: int = 0) -> None:
         try:
             pygame.display.init()
             pygame.font.init()
-            if pygame.display.get_driver() in UNSEEN and "SDL_VIDEODRIVER" not in os.environ:
+            if (
+                pygame.display.get_driver() in WITHOUT_DISPLAY
+                and "SDL_VIDEODRIVER" not in os.environ
+            ):
                 raise pygame.error("none was found")
             count = pygame.display.get_num_displays()
             if not 0 <= display < count:
-                raise StageError(f"there is no display {display}; there are 0 to {count - 1}")
+                raise StageError(f"there is no display {display}; choose from 0 to {count - 1}")
             size = pygame.display.get_desktop_sizes()[display] if full_screen else SIZE
             flags = pygame.FULLSCREEN if full_screen else pygame.RESIZABLE
             self.screen = pygame.display.set_mode(size, flags, display=display)
@@ -58,10 +61,10 @@ class Stage:
         pygame.mouse.set_visible(not full_screen)
         self._full_screen = full_screen
         self.open = True
-        """False once the user has closed it."""
+        """False after the user has closed the window."""
 
     def pressed(self) -> list[int]:
-        """The keys pressed since the last call; sees to closing and resizing."""
+        """Return the keys pressed since the last call; handle closing and resizing."""
         pressed = []
         for event in pygame.event.get():
             if event.type == pygame.QUIT:
@@ -73,7 +76,7 @@ class Stage:
         return pressed
 
     def placed(self, known: KnownServices) -> Placed:
-        """Where the surface is, by the latest that a service told."""
+        """Return the place of the surface, by the newest scene and homography."""
         scene = next(reversed(known.scenes.values()), None)
         size = (scene.width_mm, scene.height_mm) if scene else (WIDTH_MM, HEIGHT_MM)
         width, height = self.screen.get_size()
@@ -84,7 +87,7 @@ class Stage:
         return Placed(PictureTransform.fitted(width, height, *size, margin), *size)
 
     def show(self) -> None:
-        """Let what was drawn be seen."""
+        """Show what was drawn."""
         pygame.display.flip()
 
     def close(self) -> None:

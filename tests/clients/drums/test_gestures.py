@@ -1,4 +1,4 @@
-"""What hands do becomes hits, presses and shapes: once each, whatever was lost on the way."""
+"""Frames become hits, presses and shapes: once each, also if datagrams are lost."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ LEFT, RIGHT = 1, 2
 KICK = (0.88 * 300, 100.0)
 
 
-def played(frames: list[TouchFrame], **settings: float) -> list[Any]:
+def gestures_of(frames: list[TouchFrame], **settings: float) -> list[Any]:
     player = Player(settings=Settings(**settings))
-    return [gesture for frame in frames for gesture in player.take(frame)]
+    return [gesture for frame in frames for gesture in player.process(frame)]
 
 
 def kinds(gestures: list[Any]) -> list[str]:
@@ -46,93 +46,93 @@ def test_the_kit_has_no_hole() -> None:
             pad_at(KIT, step / 100, other / 100)
 
 
-def test_a_tap_is_one_hit_at_the_time_it_happened(say: Any) -> None:
-    tap = say.frame(3, [say.finger(at=KICK, pressure=0.5)], downs=(say.down(at=KICK),))
-    hit, release = played(
-        [tap, say.frame(4, [say.finger(at=KICK, hover_mm=8.0)], ups=(say.up(at=KICK),))]
+def test_a_tap_is_one_hit_at_the_time_it_happened(wire: Any) -> None:
+    tap = wire.frame(3, [wire.finger(at=KICK, pressure=0.5)], downs=(wire.down(at=KICK),))
+    hit, release = gestures_of(
+        [tap, wire.frame(4, [wire.finger(at=KICK, hover_mm=8.0)], ups=(wire.up(at=KICK),))]
     )
     assert isinstance(hit, Hit) and isinstance(release, Release)
     assert hit.pad.name == "kick"
     assert hit.time_us == tap.time_us - 12_000
 
 
-def test_a_faster_strike_is_louder_and_a_lost_one_in_between(say: Any) -> None:
+def test_a_faster_strike_is_louder_and_an_unknown_one_is_medium(wire: Any) -> None:
     levels = []
     for number, strike in enumerate([0.0, 100.0, 250.0, 400.0, 900.0, -1.0]):
-        (hit,) = played([say.frame(number, downs=(say.down(strike_mm_s=strike),))])
+        (hit,) = gestures_of([wire.frame(number, downs=(wire.down(strike_mm_s=strike),))])
         levels.append(hit.level)
     assert levels[:4] == sorted(set(levels[:4]))
     assert levels[0] == 0.25 and levels[3] == levels[4] == 1.0
     assert levels[5] == UNKNOWN_LEVEL
 
 
-def test_only_a_touch_that_stays_presses(say: Any) -> None:
-    frames = [say.frame(0, [say.finger(pressure=0.5)], downs=(say.down(),))]
-    frames += [say.frame(n, [say.finger(pressure=0.1 * n)]) for n in range(1, 10)]
-    gestures = played(frames)
+def test_only_a_touch_that_stays_presses(wire: Any) -> None:
+    frames = [wire.frame(0, [wire.finger(pressure=0.5)], downs=(wire.down(),))]
+    frames += [wire.frame(n, [wire.finger(pressure=0.1 * n)]) for n in range(1, 10)]
+    gestures = gestures_of(frames)
     assert kinds(gestures)[0] == "Hit"
     presses = [each for each in gestures if isinstance(each, Press)]
     assert [round(each.amount, 1) for each in presses] == [0.6, 0.7, 0.8, 0.9]
 
 
-def test_the_hand_that_does_not_play_shapes_by_its_lowest_finger(say: Any) -> None:
-    other = [say.finger(2, hand=LEFT, hover_mm=47.0), say.finger(3, hand=LEFT, hover_mm=34.0)]
+def test_the_hand_that_does_not_play_shapes_by_its_lowest_finger(wire: Any) -> None:
+    other = [wire.finger(2, hand=LEFT, hover_mm=47.0), wire.finger(3, hand=LEFT, hover_mm=34.0)]
     frames = [
-        say.frame(0, [say.finger(hover_mm=20.0), *other]),
-        say.frame(1, [say.finger(pressure=0.5), *other], downs=(say.down(),)),
-        say.frame(2, [say.finger(hover_mm=3.0), *other]),
+        wire.frame(0, [wire.finger(hover_mm=20.0), *other]),
+        wire.frame(1, [wire.finger(pressure=0.5), *other], downs=(wire.down(),)),
+        wire.frame(2, [wire.finger(hover_mm=3.0), *other]),
     ]
-    gestures = played(frames, low_mm=8.0, high_mm=60.0)
-    assert kinds(gestures) == ["Hit", "Shape", "Shape"], "nobody plays yet in the first frame"
+    gestures = gestures_of(frames, low_mm=8.0, high_mm=60.0)
+    assert kinds(gestures) == ["Hit", "Shape", "Shape"], "no hand drums yet in the first frame"
     assert all(each.height == 0.5 for each in gestures[1:])
 
 
-def test_a_hand_that_struck_a_moment_ago_does_not_shape(say: Any) -> None:
-    left = say.finger(2, hand=LEFT, pressure=0.5)
-    right = say.finger(1, hand=RIGHT, pressure=0.5)
+def test_a_hand_that_struck_a_moment_ago_does_not_shape(wire: Any) -> None:
+    left = wire.finger(2, hand=LEFT, pressure=0.5)
+    right = wire.finger(1, hand=RIGHT, pressure=0.5)
     frames = [
-        say.frame(0, [left], downs=(say.down(2),)),
-        say.frame(3, [right, say.finger(2, hand=LEFT, hover_mm=30.0)], downs=(say.down(1),)),
-        say.frame(50, [say.finger(2, hand=LEFT, hover_mm=30.0)]),
+        wire.frame(0, [left], downs=(wire.down(2),)),
+        wire.frame(3, [right, wire.finger(2, hand=LEFT, hover_mm=30.0)], downs=(wire.down(1),)),
+        wire.frame(50, [wire.finger(2, hand=LEFT, hover_mm=30.0)]),
     ]
-    assert kinds(played(frames)) == ["Hit", "Hit", "Shape"]
+    assert kinds(gestures_of(frames)) == ["Hit", "Hit", "Shape"]
 
 
-def test_of_hands_that_nobody_can_name_the_one_that_struck_is_the_drummer(say: Any) -> None:
+def test_of_unknown_hands_the_one_that_struck_is_the_drummer(wire: Any) -> None:
     frames = [
-        say.frame(0, [say.finger(1, hand=0, pressure=0.4)], downs=(say.down(1),)),
-        say.frame(1, [say.finger(1, hand=0, hover_mm=9), say.finger(2, hand=0, hover_mm=60)]),
+        wire.frame(0, [wire.finger(1, hand=0, pressure=0.4)], downs=(wire.down(1),)),
+        wire.frame(1, [wire.finger(1, hand=0, hover_mm=9), wire.finger(2, hand=0, hover_mm=60)]),
     ]
-    assert [each.height for each in played(frames) if isinstance(each, Shape)] == [1.0]
+    assert [each.height for each in gestures_of(frames) if isinstance(each, Shape)] == [1.0]
 
 
-def rounds(say: Any, hits: int) -> list[TouchFrame]:
-    """A tap each eleven frames, in 4 of which the finger is down."""
+def rounds(wire: Any, hits: int) -> list[TouchFrame]:
+    """A tap every 11 frames; the finger is down in 4 of them."""
     frames = []
     for number in range(hits * 11):
         touch, phase = divmod(number, 11)
         contacts = touch + (phase >= 4)
         pressed = 4 <= phase < 8
-        pointer = say.finger(
+        pointer = wire.finger(
             contacts=contacts, pressure=0.5 if pressed else None, hover_mm=0 if pressed else 20.0
         )
-        told: dict[str, Any] = {}
+        events: dict[str, Any] = {}
         if phase == 4:
-            told["downs"] = (say.down(contacts=contacts),)
+            events["downs"] = (wire.down(contacts=contacts),)
         if phase == 8:
-            told["ups"] = (say.up(contacts=contacts),)
-        frames.append(say.frame(number, [pointer], **told))
+            events["ups"] = (wire.up(contacts=contacts),)
+        frames.append(wire.frame(number, [pointer], **events))
     return frames
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_of_datagrams_a_fifth_may_be_lost_and_each_hit_is_heard_once(say: Any, seed: int) -> None:
-    frames = rounds(say, 40)
+def test_with_a_fifth_of_the_datagrams_lost_each_hit_sounds_once(wire: Any, seed: int) -> None:
+    frames = rounds(wire, 40)
     lost = random.Random(seed)
     assembler = Assembler()
-    heard = []
+    received = []
     for number, frame in enumerate(frames):
-        # As the service repeats: an event again in the next two frames, its age grown.
+        # As the service does: each event is repeated in the next two frames, with its age.
         repeated = [
             (event, (number - then.frame) * 1000 / 30)
             for then in frames[max(0, number - 2) : number + 1]
@@ -144,52 +144,52 @@ def test_of_datagrams_a_fifth_may_be_lost_and_each_hit_is_heard_once(say: Any, s
         ups = [event for event in aged if not hasattr(event, "strike_mm_s")]
         for datagram in encode_frame("table", header, list(frame.pointers), downs, ups):
             if number == 0 or lost.random() >= 0.2:
-                heard += assembler.receive_data(datagram, number / 30)
+                received += assembler.receive_data(datagram, number / 30)
     player = Player()
     arrived = [
-        (told.time_us, gesture)
-        for told in heard
-        if isinstance(told, TouchFrame)
-        for gesture in player.take(told)
+        (event.time_us, gesture)
+        for event in received
+        if isinstance(event, TouchFrame)
+        for gesture in player.process(event)
         if isinstance(gesture, Hit)
     ]
     assert [hit.key.contacts for _, hit in arrived] == list(range(1, 41))
-    for number, (told_us, hit) in enumerate(arrived):
+    for number, (arrived_us, hit) in enumerate(arrived):
         struck_us = frames[11 * number + 4].time_us
-        missing = round((told_us - struck_us) / 33_333)
-        assert 0 <= missing <= 7, "it is late by the frames lost"
+        late = round((arrived_us - struck_us) / 33_333)
+        assert 0 <= late <= 7, "late by the number of lost frames"
         if hit.level != UNKNOWN_LEVEL:
             assert hit.time_us == pytest.approx(struck_us - 12_000, abs=1_000)
 
 
-def test_a_stream_from_a_file_plays_as_the_wire_does(say: Any, tmp_path: Path) -> None:
+def test_a_stream_from_a_file_sounds_like_a_live_one(wire: Any, tmp_path: Path) -> None:
     path = tmp_path / "take.jsonl"
-    frames = rounds(say, 3)
+    frames = rounds(wire, 3)
     path.write_text("".join(json.dumps(event_to_json(frame)) + "\n" for frame in frames))
-    from_file = played(list(halo_client.frames(FileSource(path, paced=False))))
+    from_file = gestures_of(list(halo_client.frames(FileSource(path, paced=False))))
     hits = [each for each in from_file if isinstance(each, Hit)]
     assert len(hits) == 3
     assert [hit.level for hit in hits] == pytest.approx([hits[0].level] * 3)
 
 
-def test_midi_says_what_a_sampler_understands(say: Any) -> None:
+def test_midi_messages_are_what_a_sampler_understands(wire: Any) -> None:
     notes = Notes()
-    hit, release = played(
-        [say.frame(0, downs=(say.down(at=KICK, strike_mm_s=500.0),), ups=(say.up(at=KICK),))]
+    hit, release = gestures_of(
+        [wire.frame(0, downs=(wire.down(at=KICK, strike_mm_s=500.0),), ups=(wire.up(at=KICK),))]
     )
-    spoken = [
+    messages = [
         *notes.messages(hit),
         *notes.messages(Press(0, hit.key, 0.5)),
         *notes.messages(Shape(0, 1.0)),
         *notes.messages(release),
         *notes.messages(release),
     ]
-    assert [message.bytes() for message in spoken] == [
+    assert [message.bytes() for message in messages] == [
         [0x99, 36, 127], [0xA9, 36, 64], [0xB9, 74, 127], [0x89, 36, 64],
     ]  # fmt: skip
 
 
-def test_a_midi_port_that_is_not_there_is_one_sentence() -> None:
+def test_a_missing_midi_port_gives_one_sentence() -> None:
     with pytest.raises(MidiError) as refused:
         MidiOut("no such sampler")
     assert "MIDI" in str(refused.value)

@@ -22,7 +22,7 @@ POINTER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.62, 0.0, 0.0, 0.
 def picture(*frames: TouchFrame, scene: Scene | None = None, unix_us: int = 1_000_000) -> str:
     view, known = View(), KnownServices()
     for number, frame in enumerate(frames):
-        view.take(frame, 1.0 + number / 10, unix_us)
+        view.update(frame, 1.0 + number / 10, unix_us)
     if scene is not None:
         known.update(Report("table", scene))
     return "\n".join(view.lines("osc://here", known, Losses(missed=4, bad=2), 1.5))

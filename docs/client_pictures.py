@@ -1,6 +1,6 @@
-"""Draw the pictures of the guests' READMEs: virtual hands, sensed as the service senses them.
+"""Draw the pictures of the clients' READMEs: virtual hands, sensed by the service.
 
-    uv run python docs/guests.py [FOLDER]
+    uv run python docs/client_pictures.py [FOLDER]
 
 Writes clients/paint/painting.svg and clients/drums/session.svg; with a folder, also the streams
 and the sound in it. Takes a few minutes; the same code gives the same pictures.
@@ -52,19 +52,19 @@ TALLEST = 300.0
 """Area of the loudest hit's dot, in points."""
 
 
-class Played:
-    """A take as a source."""
+class TakeSource:
+    """A virtual recording as a source."""
 
     kind: Literal["virtual"] = "virtual"
 
     def __init__(self, take: Take) -> None:
         self.camera = take.camera
-        self._frames: Iterator[Frame] = (seen for seen, _ in take if seen is not None)
+        self._frames: Iterator[Frame] = (frame for frame, _ in take if frame is not None)
 
     def read(self, timeout_s: float) -> Frame:
-        """The next frame, at once."""
-        for seen in self._frames:
-            return seen
+        """Return the next frame at once."""
+        for frame in self._frames:
+            return frame
         raise EndOfSource
 
     def close(self) -> None:
@@ -72,21 +72,21 @@ class Played:
 
 
 def sensed(name: str, seconds: float, path: Path) -> list[TouchFrame]:
-    """A scenario as a guest is told of it; its stream is left at `path`."""
+    """Sense a scenario, write its stream to `path`, and return what a client receives."""
     request = parse_sim_url(name)
-    source = Played(Take(request, seconds, colour=False))
+    source = TakeSource(Take(request, seconds, colour=False))
     profile = virtual_profile(request.room, Settings())
-    with closing(HandDetector(source.camera, profile, Settings().tracking)) as eyes:
+    with closing(HandDetector(source.camera, profile, Settings().tracking)) as detector:
         state = OURS.start(profile, Settings().sensing)
-        told = replay(source, eyes.look, OURS, state)
-        path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(told)))
+        frames = replay(source, detector.look, OURS, state)
+        path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)))
     return list(halo_client.frames(FileSource(path, paced=False)))
 
 
 def draw_session(frames: list[TouchFrame], folder: Path) -> None:
-    """Hits on their pads, the height of the other hand, and the sound that comes of both."""
+    """Draw hits on their pads, the height of the other hand, and the resulting sound."""
     player = Player()
-    gestures = [gesture for frame in frames for gesture in player.take(frame)]
+    gestures = [gesture for frame in frames for gesture in player.process(frame)]
     sound = render(frames)
     write_wav(folder / "drumming.wav", sound)
     first_us = frames[0].time_us
@@ -105,12 +105,12 @@ def draw_session(frames: list[TouchFrame], folder: Path) -> None:
               [each.height for each in shapes], color="#ffeb96")  # fmt: skip
     hand.set(ylim=(-0.05, 1.05), ylabel="other hand")
     hand.set_yticks((0, 1), ("deep", "sharp"))
-    # A point each 4 ms is as fine as the picture.
+    # One point per 4 ms is the resolution of the picture.
     pieces = np.abs(sound[: len(sound) // 192 * 192]).max(axis=1).reshape(-1, 192).max(axis=1)
     times = np.arange(len(pieces)) * 192 / RATE
     wave.fill_between(times, -pieces, pieces, color=LIGHT, lw=0)
     wave.set(xlabel="s", ylabel="sound", yticks=())
-    # The service learns the empty table first, and nobody plays.
+    # The session starts with an empty table.
     begin_s = min(each.time_us - first_us for each in gestures) / 1e6
     wave.set_xlim(begin_s - 0.2, times[-1])
     for axis in (pads, hand, wave):
@@ -121,7 +121,7 @@ def draw_session(frames: list[TouchFrame], folder: Path) -> None:
 
 
 def dress(axis: Axes) -> None:
-    """Light on dark, without a frame."""
+    """Use light on dark, without a border."""
     axis.set_facecolor(DARK)
     axis.tick_params(colors=LIGHT, length=0)
     for label in (axis.xaxis.label, axis.yaxis.label):
@@ -131,7 +131,7 @@ def dress(axis: Axes) -> None:
 
 
 def main(folder: Path) -> None:
-    """Both pictures."""
+    """Draw both pictures."""
     mpl.rcParams["svg.hashsalt"] = "halo"  # the same bytes on every run
     strokes = painted(sensed(PAINTING, PAINTING_S, folder / "painting.jsonl"), Painter(vary=True))
     save(CLIENTS / "paint" / "painting.svg", strokes, WIDTH_MM, HEIGHT_MM)
@@ -142,5 +142,5 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         main(Path(sys.argv[1]))
     else:
-        with tempfile.TemporaryDirectory() as nowhere:
-            main(Path(nowhere))
+        with tempfile.TemporaryDirectory() as folder:
+            main(Path(folder))

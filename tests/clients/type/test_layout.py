@@ -1,4 +1,4 @@
-"""The typing guest's core: keys that fill the keyboard, and phrases that can be typed on it."""
+"""The keyboard's layout: keys without gaps, and phrases that it can type."""
 
 import itertools
 

@@ -1,8 +1,7 @@
-"""Streams to play: by hand for the fast tests, sensed from the virtual Kinect for the slow."""
+"""Streams for the tests of clients: written by hand, or sensed from the virtual Kinect (slow)."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +10,6 @@ from typing import Any
 import pytest
 
 from halo_protocol import Down, Pointer, TouchFrame, Up
-
-os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 
 LEFT, RIGHT = 1, 2
 HOVER, TOUCH = 0, 1
@@ -27,7 +24,7 @@ def finger(
     pressure: float | None = None,
     contacts: int = 1,
 ) -> Pointer:
-    """A finger on the surface where a pressure is given, else above it."""
+    """A finger that touches if a pressure is given, else hovers."""
     state = HOVER if pressure is None else TOUCH
     u, v = at[0] / 300.0, at[1] / 200.0
     return Pointer(
@@ -50,38 +47,38 @@ def up(id: int = 1, *, at: tuple[float, float] = (150.0, 100.0), contacts: int =
     return Up(id, 0, at[0] / 300.0, at[1] / 200.0, 5.0, contacts)
 
 
-def frame(number: int, pointers: Sequence[Pointer] = (), **told: Any) -> TouchFrame:
-    """Thirty of them a second."""
+def frame(number: int, pointers: Sequence[Pointer] = (), **events: Any) -> TouchFrame:
+    """Frame `number` of a stream with 30 frames a second."""
     time_us = 1_000_000 + number * 33_333
-    return TouchFrame("table", "desk", "s1", number, time_us, tuple(pointers), **told)
+    return TouchFrame("table", "desk", "s1", number, time_us, tuple(pointers), **events)
 
 
 @pytest.fixture(scope="session")
-def say() -> Any:
-    """The makers of hand-made streams."""
+def wire() -> Any:
+    """Functions that write frames, pointers and events by hand."""
 
-    class Say:
+    class Wire:
         finger = staticmethod(finger)
         down = staticmethod(down)
         up = staticmethod(up)
         frame = staticmethod(frame)
 
-    return Say
+    return Wire
 
 
 @dataclass(frozen=True)
 class Session:
-    """A scenario of the virtual Kinect as the service senses it, and what was true."""
+    """A scenario of the virtual Kinect as the service senses it, with its ground truth."""
 
     stream: Path
     truth: list[dict[str, Any]]
-    told: list[Any]
-    """The service's own frames, for those who want to send them."""
+    frames: list[Any]
+    """The service's own frames, before they are encoded."""
 
 
 @pytest.fixture(scope="session")
 def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
-    """`sensed("sim:drumming?seed=3", 12.0)`; each is made once."""
+    """`sensed("sim:drumming?seed=3", 12.0)`; cached, so tests of one file share it."""
     from halo_service.app.hand_detector import HandDetector
     from halo_service.app.virtual_user.profile import virtual_profile
     from halo_service.outputs.jsonl import frame_line
@@ -92,44 +89,44 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
     from halo_service.virtual.offline import Take
     from halo_service.virtual.sim_url import parse_sim_url
 
-    made: dict[str, Session] = {}
+    sessions: dict[str, Session] = {}
 
-    class Played:
-        """A take as a source that keeps the truth aside."""
+    class TakeSource:
+        """A virtual recording as a source; collects its ground truth."""
 
         kind = "virtual"
 
         def __init__(self, take: Take, truth: list[dict[str, Any]]) -> None:
             self.camera, self.surface = take.camera, take.surface
-            self._frames: Iterator[Any] = iter(take)
+            self._lines: Iterator[Any] = iter(take)
             self._truth = truth
 
         def read(self, timeout_s: float) -> Any:
-            for seen, lines in self._frames:
+            for frame, lines in self._lines:
                 self._truth += lines
-                if seen is not None:
-                    return seen
+                if frame is not None:
+                    return frame
             raise EndOfSource
 
         def close(self) -> None:
             """Nothing is open."""
 
     def make(name: str, seconds: float) -> Session:
-        if name not in made:
+        if name not in sessions:
             request, truth = parse_sim_url(name), []
             profile = virtual_profile(request.room, Settings())
-            source = Played(Take(request, seconds, colour=False), truth)
-            eyes = HandDetector(source.camera, profile, Settings().tracking)
+            source = TakeSource(Take(request, seconds, colour=False), truth)
+            detector = HandDetector(source.camera, profile, Settings().tracking)
             try:
                 state = OURS.start(profile, Settings().sensing)
-                told = list(replay(source, eyes.look, OURS, state))
+                frames = list(replay(source, detector.look, OURS, state))
             finally:
-                eyes.close()
+                detector.close()
             path = tmp_path_factory.mktemp("sensed") / "take.jsonl"
-            lines = [frame_line(each, "sim", "s1", n) for n, each in enumerate(told)]
+            lines = [frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)]
             path.write_text("".join(lines))
             truth.append({"surface": source.surface})
-            made[name] = Session(path, truth, told)
-        return made[name]
+            sessions[name] = Session(path, truth, frames)
+        return sessions[name]
 
     return make

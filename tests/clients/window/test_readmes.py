@@ -1,4 +1,4 @@
-"""The guests that the READMEs show are whole programs of twenty lines, and they run."""
+"""The programs in the READMEs are complete, at most 20 lines long, and run."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ import pytest
 
 from halo_protocol import Frame, encode_frame
 
-CLIENTS = Path(__file__).parents[2] / "clients"
-NOBODY_HEARS = ("48_000, 20)", "48_000, 20, backends=[miniaudio.Backend.NULL])")
+CLIENTS = Path(__file__).parents[3] / "clients"
+NO_DEVICE = ("48_000, 20)", "48_000, 20, backends=[miniaudio.Backend.NULL])")
 
 
-@pytest.mark.parametrize("guest", ["drums", "paint"])
-def test_the_guest_in_the_readme_runs(guest: str, say: Any, tmp_path: Path) -> None:
-    text = (CLIENTS / guest / "README.md").read_text()
+@pytest.mark.parametrize("client", ["drums", "paint"])
+def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) -> None:
+    text = (CLIENTS / client / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]
     assert len([line for line in program.splitlines() if line.strip()]) <= 20
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    path = tmp_path / "guest.py"
-    path.write_text(program.replace("127.0.0.1:9000", f"127.0.0.1:{port}").replace(*NOBODY_HEARS))
+    path = tmp_path / "program.py"
+    path.write_text(program.replace("127.0.0.1:9000", f"127.0.0.1:{port}").replace(*NO_DEVICE))
     env = os.environ | {"SDL_VIDEODRIVER": "dummy"}
     with (
         subprocess.Popen([sys.executable, path], stderr=subprocess.PIPE, text=True, env=env) as run,
@@ -35,11 +35,11 @@ def test_the_guest_in_the_readme_runs(guest: str, say: Any, tmp_path: Path) -> N
     ):
         for number in range(90):
             header = Frame("desk", "s1", number, 1000, number * 10_000, 1)
-            touching = [say.finger(at=(100.0, 90.0), pressure=0.6)]
+            touching = [wire.finger(at=(100.0, 90.0), pressure=0.6)]
             for datagram in encode_frame("table", header, touching, [], []):
                 out.sendto(datagram, ("127.0.0.1", port))
             time.sleep(0.03)
-        still_there = run.poll() is None
+        running = run.poll() is None
         run.terminate()
         assert run.stderr is not None
-        assert still_there, run.stderr.read()
+        assert running, run.stderr.read()

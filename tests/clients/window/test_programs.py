@@ -1,4 +1,4 @@
-"""The guests as programs: they say in a sentence what is wrong, wait, go on, and end."""
+"""The clients as programs: clear error sentences, waiting, resuming, clean exit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Run = Callable[..., "subprocess.Popen[str]"]
 
 @pytest.fixture
 def run() -> Iterator[Run]:
-    """Start a guest without a screen and a loudspeaker; what still runs at the end is ended."""
+    """Start a program without screen and loudspeaker; stop it at the end of the test."""
     started: list[subprocess.Popen[str]] = []
 
     def start(*command: str, screen: bool = True) -> subprocess.Popen[str]:
@@ -43,8 +43,8 @@ def run() -> Iterator[Run]:
         process.communicate()
 
 
-def said(process: subprocess.Popen[str], word: str, seconds: float = 20.0) -> str:
-    """The next line on stderr that has this word."""
+def read_line(process: subprocess.Popen[str], word: str, seconds: float = 20.0) -> str:
+    """Return the next line on stderr that has this word."""
     assert process.stderr is not None
     until = time.monotonic() + seconds
     while time.monotonic() < until:
@@ -52,40 +52,40 @@ def said(process: subprocess.Popen[str], word: str, seconds: float = 20.0) -> st
         if word in line:
             return line
         assert line or process.poll() is None, f"ended without {word!r}"
-    pytest.fail(f"{word!r} was not said")
+    pytest.fail(f"no line with {word!r}")
 
 
-@pytest.mark.parametrize("guest", SOUND)
-def test_nobody_playing_is_a_sentence_and_a_wait_and_ctrl_c_ends_cleanly(
-    run: Run, guest: str, udp_port: int, sender: Callable[[int, str], Any]
+@pytest.mark.parametrize("program", SOUND)
+def test_it_waits_for_a_service_and_ctrl_c_ends_it_cleanly(
+    run: Run, program: str, udp_port: int, sender: Callable[[int, str], Any]
 ) -> None:
-    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}")
-    assert "is `halo serve` running" in said(process, "waiting")
+    process = run(program, *SOUND[program], "--from", f"osc://127.0.0.1:{udp_port}")
+    assert "is `halo serve` running" in read_line(process, "waiting")
     sender(udp_port, "s1")
-    said(process, "frames come")
-    said(process, "waiting")
+    read_line(process, "frames come")
+    read_line(process, "waiting")
     sender(udp_port, "s2")
-    said(process, "frames come")
+    read_line(process, "frames come")
     process.send_signal(signal.SIGINT)
     _, rest = process.communicate(timeout=10)
     assert process.returncode == 0
     assert "Traceback" not in rest
 
 
-@pytest.mark.parametrize("guest", SOUND)
-def test_a_service_of_another_major_version_is_one_sentence(
-    run: Run, guest: str, udp_port: int, say: Any
+@pytest.mark.parametrize("program", SOUND)
+def test_a_service_of_another_major_version_gives_one_sentence(
+    run: Run, program: str, udp_port: int, wire: Any
 ) -> None:
-    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}")
-    said(process, "waiting")
+    process = run(program, *SOUND[program], "--from", f"osc://127.0.0.1:{udp_port}")
+    read_line(process, "waiting")
     header = Frame("desk", "s1", 1, 1000, 0, 1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-        for datagram in encode_frame("table", header, [say.finger()], [], []):
+        for datagram in encode_frame("table", header, [wire.finger()], [], []):
             foreign = datagram.replace(b"/halo/1/", b"/halo/2/")
             assert foreign != datagram
             out.sendto(foreign, ("127.0.0.1", udp_port))
-    told = said(process, "speaks protocol 2")
-    assert "this program speaks 1: use versions of both that belong together" in told
+    line = read_line(process, "speaks protocol 2")
+    assert "this program speaks 1: use versions of both that belong together" in line
     process.send_signal(signal.SIGINT)
     _, rest = process.communicate(timeout=10)
     assert process.returncode == 0
@@ -100,15 +100,15 @@ def udp_port() -> int:
 
 
 @pytest.fixture
-def sender(say: Any) -> Callable[[int, str], None]:
-    """A service that lives for half a second."""
+def sender(wire: Any) -> Callable[[int, str], None]:
+    """A service that sends for half a second."""
 
     def send(port: int, session: str) -> None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             for number in range(15):
                 header = Frame("desk", session, number, 1000, number * 33_333, 1)
-                touching = [say.finger(at=(100.0 + 5 * number, 90.0), pressure=0.6)]
-                downs = [say.down(at=(100.0, 90.0))] if number == 1 else []
+                touching = [wire.finger(at=(100.0 + 5 * number, 90.0), pressure=0.6)]
+                downs = [wire.down(at=(100.0, 90.0))] if number == 1 else []
                 for datagram in encode_frame("table", header, touching, downs, []):
                     out.sendto(datagram, ("127.0.0.1", port))
                 time.sleep(0.03)
@@ -116,9 +116,9 @@ def sender(say: Any) -> Callable[[int, str], None]:
     return send
 
 
-@pytest.mark.parametrize("guest", SOUND)
-def test_without_a_screen_there_is_one_sentence(run: Run, guest: str, udp_port: int) -> None:
-    process = run(guest, *SOUND[guest], "--from", f"osc://127.0.0.1:{udp_port}", screen=False)
+@pytest.mark.parametrize("program", SOUND)
+def test_without_a_screen_there_is_one_sentence(run: Run, program: str, udp_port: int) -> None:
+    process = run(program, *SOUND[program], "--from", f"osc://127.0.0.1:{udp_port}", screen=False)
     _, error = process.communicate(timeout=20)
     if process.returncode != 2:
         pytest.skip("this machine has a screen")
@@ -136,7 +136,7 @@ def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -
 
 
 @pytest.mark.parametrize(
-    ("command", "says"),
+    ("command", "message"),
     [
         (("halo-drums", "--silent", "--from", "nonsense"), "unknown source 'nonsense'"),
         (("halo-drums", "--render", "a.wav"), "need a recorded stream"),
@@ -146,26 +146,26 @@ def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -
         (("halo", "demo", "flute"), "invalid choice: 'flute'"),
     ],
 )
-def test_what_cannot_be_is_one_sentence(run: Run, command: tuple[str, ...], says: str) -> None:
+def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], message: str) -> None:
     process = run(*command)
     _, error = process.communicate(timeout=20)
     assert process.returncode == 2
-    assert says in error
+    assert message in error
     assert "Traceback" not in error
 
 
 @pytest.mark.parametrize(
-    ("guest", "word"), [("halo-drums", "hover low"), ("halo-paint", "calligraphy")]
+    ("program", "word"), [("halo-drums", "hover low"), ("halo-paint", "calligraphy")]
 )
-def test_the_help_is_for_those_who_play(run: Run, guest: str, word: str) -> None:
-    out, _ = run(guest, "--help").communicate(timeout=20)
+def test_the_help_explains_how_to_use_it(run: Run, program: str, word: str) -> None:
+    out, _ = run(program, "--help").communicate(timeout=20)
     assert word in out
 
 
 @pytest.mark.slow
-def test_a_demo_starts_both_and_ctrl_c_ends_both(run: Run) -> None:
+def test_a_demo_starts_two_programs_and_ctrl_c_ends_both(run: Run) -> None:
     process = run("halo", "demo", "drums", "--silent")
-    said(process, "frames come", 60.0)
+    read_line(process, "frames come", 60.0)
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
     assert len(children) == 2
     process.send_signal(signal.SIGINT)

@@ -126,7 +126,7 @@ def test_with_a_fifth_of_the_datagrams_lost_still_one_sound_per_hit(
     session = sensed(SESSIONS[0], SECONDS)
 
     def hits(loss: float) -> list[tuple[int, Hit]]:
-        lost, wire, assembler, player = (
+        lost, encoder, assembler, player = (
             random.Random(seed),
             FrameEncoder("sim", "s1", 0),
             Assembler(),
@@ -134,7 +134,7 @@ def test_with_a_fifth_of_the_datagrams_lost_still_one_sound_per_hit(
         )
         found = []
         for number, frame in enumerate(session.frames):
-            for datagram in wire.frame(frame):
+            for datagram in encoder.encode(frame):
                 # The first frame always arrives: a client that joins later gets no earlier hits.
                 if number and lost.random() < loss:
                     continue

@@ -85,7 +85,7 @@ def test_a_service_of_another_major_version_gives_one_sentence(
             assert foreign != datagram
             out.sendto(foreign, ("127.0.0.1", udp_port))
     line = read_line(process, "speaks protocol 2")
-    assert "this program speaks 1: use versions of both that belong together" in line
+    assert "this program speaks 1: install matching versions of both" in line
     process.send_signal(signal.SIGINT)
     _, rest = process.communicate(timeout=10)
     assert process.returncode == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
+from types import UnionType
 from typing import Any, get_args, get_type_hints
 
 from pydantic import ValidationError
@@ -13,7 +14,9 @@ WORDS = {
     "string_type": "text",
     "int_type": "a whole number",
     "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
     "float_type": "a number",
+    "float_parsing": "a number",
     "bool_type": "true or false",
     "tuple_type": "a list of text",
 }
@@ -34,19 +37,22 @@ def sentences(error: ValidationError, kind: type) -> list[str]:
 
 def _sentence(error: ErrorDetails, kind: type) -> str:
     """Say one error as `section: 'key' must be ..., not ...`."""
-    loc = error["loc"]
-    keys = [part for part in loc if isinstance(part, str)]
-    if error["type"] == "value_error":  # by a __post_init__, which knows no section
-        return "".join(f"{key}: " for key in keys) + str(error["ctx"]["error"])
-    where = "".join(f"{key}: " for key in keys[:-1])
-    key = keys[-1] if keys else ""
-    if error["type"] == "unexpected_keyword_argument":
-        return where + _unknown(key, [each.name for each in fields(_inner(kind, keys[:-1]))])
-    if error["type"] == "missing":
-        return f"{where}'{key}' is missing"
-    if error["type"] == "dataclass_type":
-        return f"{where}'{key}' must be a table: [{key}]"
-    return f"{where}'{key}' must be {_allowed(error, kind, keys)}, not {_shown(error['input'])}"
+    keys = [part for part in error["loc"] if isinstance(part, str) and part != "[key]"]
+    *sections, key = keys or [""]
+    where = "".join(f"{each}: " for each in sections)
+    shown = _shown(error["input"])
+    match error["type"]:
+        case "value_error":  # by a check of our own, which does not know where it is used
+            return f"{where}{key}: {error['ctx']['error']}"
+        case "unexpected_keyword_argument":
+            return where + _unknown(key, [each.name for each in fields(_inner(kind, sections))])
+        case "missing" if isinstance(error["loc"][-1], int):
+            return f"{where}'{key}' has too few elements: {shown}"
+        case "missing":
+            return f"{where}'{key}' is missing"
+        case "dataclass_type":
+            return f"{where}'{key}' must be a table: [{key}]"
+    return f"{where}'{key}' must be {_allowed(error, kind, keys)}, not {shown}"
 
 
 def _unknown(key: str, known: list[str]) -> str:
@@ -60,7 +66,7 @@ def _allowed(error: ErrorDetails, kind: type, keys: list[str]) -> str:
     if error["type"] in BOUNDS:
         return _range(get_type_hints(_inner(kind, keys[:-1]), include_extras=True)[keys[-1]])
     if error["type"] == "literal_error":
-        return " or ".join(map(str, get_args(_inner(kind, keys))))
+        return str(error["ctx"]["expected"]).replace("'", "")
     if error["type"] == "string_pattern_mismatch":
         return f"text that matches {error['ctx']['pattern']}"
     if error["type"] == "string_type" and len(error["loc"]) > len(keys):
@@ -89,7 +95,8 @@ def _range(hint: Any) -> str:
 def _inner(kind: Any, keys: list[str]) -> Any:
     """Return the type that is found by following keys from a dataclass."""
     for key in keys:
-        kind = get_type_hints(kind)[key] if is_dataclass(kind) else kind
+        hint = get_type_hints(kind)[key] if is_dataclass(kind) else get_args(kind)[-1]
+        kind = get_args(hint)[0] if isinstance(hint, UnionType) else hint  # X | None
     return kind
 
 

@@ -12,6 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.geometry.matrix import Matrix4
+
 Points = NDArray[np.float64]
 
 
@@ -74,5 +76,5 @@ class Camera:
     depth: Lens
     colour: Lens | None
     """None where colour is switched off."""
-    colour_from_depth: Points
+    colour_from_depth: Matrix4
     """(4, 4), mm: p_colour = M p_depth."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.geometry.camera import Lens, Points
+from halo_service.geometry.matrix import Matrix4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,7 +21,7 @@ class Surface:
     name: str
     width_mm: float
     height_mm: float
-    camera_from_surface: Points
+    camera_from_surface: Matrix4
     """(4, 4), mm: p_camera = M p_surface."""
 
     def from_camera(self, points: Points) -> Points:

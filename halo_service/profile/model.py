@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from annotated_types import Gt
 from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
+from halo_service.geometry.matrix import Matrix3, Matrix4
 from halo_service.geometry.surface import Surface
 from halo_service.values import Side
 
@@ -108,10 +110,10 @@ class Correction:
 class Projector:
     """Where a projector's pixels are on the surface."""
 
-    width_px: int
-    height_px: int
+    width_px: Annotated[int, Gt(0)]
+    height_px: Annotated[int, Gt(0)]
     """Its picture."""
-    projector_from_surface: NDArray[np.float64]
+    projector_from_surface: Matrix3
     """(3, 3) homography, mm -> px, its last element 1; (0, 0) is the outer corner of the top left
     pixel."""
 
@@ -124,9 +126,9 @@ class Anchor:
     """Whose marker it is, e.g. `apriltag-36h11`."""
     marker: int
     """Its number."""
-    size_mm: float
+    size_mm: Annotated[float, Gt(0.0)]
     """Of its black square."""
-    anchor_from_surface: NDArray[np.float64]
+    anchor_from_surface: Matrix4
     """(4, 4), mm: from the surface's frame to the marker's, which has its origin in its middle, x
     to its right, y to its bottom and z into it."""
 

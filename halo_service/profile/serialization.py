@@ -6,26 +6,27 @@ import hashlib
 import io
 import math
 import re
-from dataclasses import asdict
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict, TypeAdapter, ValidationError
 
-from halo_service.geometry.camera import Camera, Lens
+from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
 from halo_service.profile.model import (
     PAPER_THRESHOLD_MM,
     Anchor,
     Background,
     Correction,
-    HeldState,
     Profile,
     Projector,
     StepRecord,
     TouchStates,
 )
+from halo_service.validation import sentences
 from halo_service.values import Side
 
 FORMAT = 1
@@ -34,12 +35,25 @@ ARRAYS = ("background", "correction")
 """Kinds of array files, and the keys under which the text names them."""
 SURFACE = re.compile(r"(?!(?:control|sim)$)[a-z0-9_-]{1,32}")
 """What a surface may be called: its name is part of every address on the wire."""
-STATES = ("hover", "subtle", "touch", "pressure")
 GRID = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
 DENTS = ("dent", "dent_by_pitch")
 """Arrays of a correction; older ones know nothing of dents."""
 SAMPLE_COLUMNS = 6
 """Older samples have one less: no dents."""
+
+
+def _checked_surface(surface: Surface) -> Surface:
+    """Return a surface. Raises ValueError for a name or a size that it cannot have."""
+    if not SURFACE.fullmatch(surface.name):
+        raise ValueError(f"'name' cannot be {surface.name!r:.60}")
+    if not all(math.isfinite(mm) and mm > 0.0 for mm in (surface.width_mm, surface.height_mm)):
+        raise ValueError("'width_mm' and 'height_mm' must be more than 0")
+    return surface
+
+
+def _hand(side: Side) -> Any:
+    """Return a hand's name in the text: `unknown`, `left` or `right`."""
+    return side.name.lower()
 
 
 def array_files(profile: Profile) -> dict[str, bytes]:
@@ -68,57 +82,89 @@ def array_files(profile: Profile) -> dict[str, bytes]:
     return files
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectionText:
+    """What `profile.json` says of the correction."""
+
+    arrays: str
+    """Name of its array file."""
+    base: str
+    samples: int = 0
+    """How many samples it holds, for readers of the text."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileText:
+    """All of `profile.json`, in its order. A field with a default may be missing in older ones."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="ignore")
+
+    format: int = FORMAT
+    name: str
+    revision: int
+    steps: dict[str, StepRecord] = field(default_factory=dict)
+    camera: Camera
+    surface: Annotated[Surface, AfterValidator(_checked_surface)]
+    background: str
+    """Name of its array file."""
+    halo_threshold_mm: float = PAPER_THRESHOLD_MM
+    touch: TouchStates | None
+    touch_by_hand: dict[Literal["unknown", "left", "right"], TouchStates] = field(
+        default_factory=dict
+    )
+    correction: CorrectionText | None = None
+    projector: Projector | None = None
+    anchor: Anchor | None = None
+
+
+ADAPTER = TypeAdapter(ProfileText)
+
+
 def to_json(profile: Profile, files: list[str]) -> dict[str, Any]:
     """Return what `profile.json` says; `files`: names of the array files."""
-    camera, surface = asdict(profile.camera), asdict(profile.surface)
-    camera["colour_from_depth"] = profile.camera.colour_from_depth.tolist()
-    surface["camera_from_surface"] = profile.surface.camera_from_surface.tolist()
     named = {name.partition("-")[0]: name for name in files}
     correction = profile.correction
-    return {
-        "format": FORMAT,
-        "name": profile.name,
-        "revision": profile.revision,
-        "steps": {name: asdict(step) for name, step in profile.steps.items()},
-        "camera": camera,
-        "surface": surface,
-        "background": named["background"],
-        "halo_threshold_mm": profile.halo_threshold_mm,
-        "touch": None if profile.touch is None else asdict(profile.touch),
-        "touch_by_hand": {
-            side.name.lower(): asdict(states) for side, states in profile.by_hand.items()
-        },
-        "correction": None
+    text = ProfileText(
+        name=profile.name,
+        revision=profile.revision,
+        steps=dict(profile.steps),
+        camera=profile.camera,
+        surface=profile.surface,
+        background=named["background"],
+        halo_threshold_mm=profile.halo_threshold_mm,
+        touch=profile.touch,
+        touch_by_hand={_hand(side): states for side, states in profile.by_hand.items()},
+        correction=None
         if correction is None
-        else {
-            "arrays": named["correction"],
-            "base": correction.base,
-            "samples": len(correction.samples),
-        },
-        "projector": _as_text(profile.projector),
-        "anchor": _as_text(profile.anchor),
-    }
+        else CorrectionText(
+            arrays=named["correction"], base=correction.base, samples=len(correction.samples)
+        ),
+        projector=profile.projector,
+        anchor=profile.anchor,
+    )
+    written: dict[str, Any] = ADAPTER.dump_python(text)
+    return written
 
 
 def from_json(data: dict[str, Any], folder: Path) -> Profile:
-    """Read back what `to_json` wrote. Raises KeyError, TypeError, ValueError or OSError."""
-    touch, correction = data["touch"], data.get("correction")
+    """Read back what `to_json` wrote. Raises ValueError with a sentence, or OSError."""
+    try:
+        text = ADAPTER.validate_python(data)
+    except ValidationError as error:
+        raise ValueError(sentences(error, ProfileText)[0]) from error
     profile = Profile(
-        name=str(data["name"]),
-        camera=_camera(data["camera"]),
-        surface=_surface(data["surface"]),
-        background=_background(folder / Path(data["background"]).name),
-        touch=None if touch is None else _touch(touch),
-        revision=int(data["revision"]),
-        by_hand={
-            Side[name.upper()]: _touch(states)
-            for name, states in data.get("touch_by_hand", {}).items()
-        },
-        correction=None if correction is None else _correction(correction, folder),
-        halo_threshold_mm=float(data.get("halo_threshold_mm", PAPER_THRESHOLD_MM)),
-        projector=_projector(data.get("projector")),
-        anchor=_anchor(data.get("anchor")),
-        steps={name: StepRecord(**step) for name, step in data.get("steps", {}).items()},
+        name=text.name,
+        camera=text.camera,
+        surface=text.surface,
+        background=_background(folder / Path(text.background).name),
+        touch=text.touch,
+        revision=text.revision,
+        by_hand={Side[name.upper()]: states for name, states in text.touch_by_hand.items()},
+        correction=None if text.correction is None else _correction(text.correction, folder),
+        halo_threshold_mm=text.halo_threshold_mm,
+        projector=text.projector,
+        anchor=text.anchor,
+        steps=text.steps,
     )
     wanted = (profile.camera.depth.height, profile.camera.depth.width)
     background = profile.background
@@ -126,73 +172,6 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
         if array.shape != wanted:
             raise ValueError("its background does not fit its camera")
     return profile
-
-
-def _surface(data: dict[str, Any]) -> Surface:
-    name, matrix = data["name"], _matrix(data, "camera_from_surface", 4)
-    if not isinstance(name, str) or not SURFACE.fullmatch(name):
-        raise ValueError(f"its surface cannot be called {name!r:.60}")
-    width_mm, height_mm = float(data["width_mm"]), float(data["height_mm"])
-    if not all(math.isfinite(size) and size > 0.0 for size in (width_mm, height_mm)):
-        raise ValueError("its surface has no size")
-    return Surface(name, width_mm, height_mm, matrix)
-
-
-def _as_text(thing: Projector | Anchor | None) -> dict[str, Any] | None:
-    if thing is None:
-        return None
-    return {
-        name: value.tolist() if isinstance(value, np.ndarray) else value
-        for name, value in asdict(thing).items()
-    }
-
-
-def _projector(data: dict[str, Any] | None) -> Projector | None:
-    if data is None:
-        return None
-    width_px, height_px = int(data["width_px"]), int(data["height_px"])
-    if width_px <= 0 or height_px <= 0:
-        raise ValueError("its projector's picture has no size")
-    return Projector(width_px, height_px, _matrix(data, "projector_from_surface", 3))
-
-
-def _anchor(data: dict[str, Any] | None) -> Anchor | None:
-    if data is None:
-        return None
-    matrix = _matrix(data, "anchor_from_surface", 4)
-    return Anchor(str(data["family"]), int(data["marker"]), float(data["size_mm"]), matrix)
-
-
-def _matrix(data: dict[str, Any], name: str, size: int) -> NDArray[np.float64]:
-    matrix = np.array(data[name], dtype=np.float64)
-    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
-        raise ValueError(f"{name} is no {size} x {size} matrix")
-    return matrix
-
-
-def _camera(data: dict[str, Any]) -> Camera:
-    colour = data["colour"]
-    return Camera(
-        **{
-            **data,
-            "depth": _lens(data["depth"]),
-            "colour": None if colour is None else _lens(colour),
-            "colour_from_depth": np.array(data["colour_from_depth"], dtype=np.float64),
-        }
-    )
-
-
-def _lens(data: dict[str, Any]) -> Lens:
-    return Lens(**{**data, "distortion": tuple(data["distortion"])})
-
-
-def _touch(data: dict[str, Any]) -> TouchStates:
-    return TouchStates(**{**data, **{name: _held(data[name]) for name in STATES}})
-
-
-def _held(data: dict[str, Any]) -> HeldState:
-    """Read a state; `dent_mm`, which the first profiles kept, was read another way."""
-    return HeldState(**{name: value for name, value in data.items() if name != "dent_mm"})
 
 
 def _background(path: Path) -> Background:
@@ -204,8 +183,8 @@ def _background(path: Path) -> Background:
     )
 
 
-def _correction(data: dict[str, Any], folder: Path) -> Correction:
-    arrays = _arrays(folder / Path(data["arrays"]).name, GRID, DENTS)
+def _correction(text: CorrectionText, folder: Path) -> Correction:
+    arrays = _arrays(folder / Path(text.arrays).name, GRID, DENTS)
     read = {name: array.astype(np.float32) for name, array in arrays.items()}
     shape = tuple(len(read[name]) for name in GRID[:4])
     shapes = {"strength": shape, "dent": shape[:2], "dent_by_pitch": shape[2:3]}
@@ -213,7 +192,7 @@ def _correction(data: dict[str, Any], folder: Path) -> Correction:
         raise ValueError("its correction's grid does not fit its axes")
     missing = SAMPLE_COLUMNS - read["samples"].shape[1]
     read["samples"] = np.pad(read["samples"], ((0, 0), (0, missing)), constant_values=np.nan)
-    return Correction(**read, base=str(data["base"]))
+    return Correction(**read, base=text.base)
 
 
 def _arrays(

@@ -47,12 +47,27 @@ def test_a_profile_of_before_has_neither(profile, tmp_path):
 @pytest.mark.parametrize(
     ("thing", "field", "value", "why"),
     [
-        ("projector", "width_px", 0, "picture has no size"),
-        ("projector", "projector_from_surface", [[1, 0], [0, 1]], "no 3 x 3 matrix"),
-        ("projector", "projector_from_surface", [[float("nan")] * 3] * 3, "no 3 x 3 matrix"),
-        ("anchor", "anchor_from_surface", [[1, 0, 0]] * 3, "no 4 x 4 matrix"),
-        ("anchor", "marker", "seven", "cannot be read"),
-        ("anchor", "size_mm", None, "cannot be read"),
+        ("projector", "width_px", 0, "projector: 'width_px' must be more than 0, not 0"),
+        (
+            "projector",
+            "projector_from_surface",
+            [[1, 0], [0, 1]],
+            "projector_from_surface: must be a 3 x 3 matrix",
+        ),
+        (
+            "projector",
+            "projector_from_surface",
+            [[float("nan")] * 3] * 3,
+            "projector_from_surface: must be a 3 x 3 matrix",
+        ),
+        (
+            "anchor",
+            "anchor_from_surface",
+            [[1, 0, 0]] * 3,
+            "anchor_from_surface: must be a 4 x 4 matrix",
+        ),
+        ("anchor", "marker", "seven", "anchor: 'marker' must be a whole number, not 'seven'"),
+        ("anchor", "size_mm", None, "anchor: 'size_mm' must be a number, not None"),
     ],
 )
 def test_a_damaged_projector_or_anchor_is_refused(profile, tmp_path, thing, field, value, why):

@@ -106,6 +106,40 @@ def test_a_profile_that_cannot_be_read_is_one_sentence(
         load(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        (("camera", "depth", "fx"), "far", "camera: depth: 'fx' must be a number, not 'far'"),
+        (
+            ("camera", "depth", "distortion"),
+            [0.0],
+            "camera: depth: 'distortion' has too few elements: .0.0.",
+        ),
+        (("camera", "serial"), 7, "camera: 'serial' must be text, not 7"),
+        (("touch", "hover", "signal"), None, "touch: hover: 'signal' must be a number, not None"),
+        (
+            ("touch_by_hand", "third"),
+            {},
+            "touch_by_hand: 'third' must be unknown, left or right, not 'third'",
+        ),
+        (("steps", "touch"), {"date": 3}, "steps: touch: 'date' must be text, not 3"),
+        (("steps", "touch"), 3, "steps: 'touch' must be a table"),
+    ],
+)
+def test_a_wrong_value_is_named_with_its_place(
+    profile: Profile, tmp_path: Path, path: tuple[str, ...], value: object, says: str
+) -> None:
+    save(profile, tmp_path)
+    data = json.loads((tmp_path / "profile.json").read_text())
+    inner = data
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = value
+    (tmp_path / "profile.json").write_text(json.dumps(data))
+    with pytest.raises(UserError, match=says):
+        load(tmp_path)
+
+
 def arrays_of(folder: Path) -> Path:
     (path,) = folder.glob("background-*.npz")
     return path

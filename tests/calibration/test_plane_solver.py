@@ -56,6 +56,17 @@ def test_the_plane_is_found(
         assert plane.note == ""
 
 
+@pytest.mark.parametrize("height_mm", [5.0, 10.0])
+def test_a_low_thing_does_not_tilt_the_plane(
+    seen: Seen, lens_camera: Camera, height_mm: float
+) -> None:
+    background = seen(5.0, 500.0)
+    background.mean_mm[60:300, 330:600] -= height_mm  # a book on a sixth of the view
+    plane = solve_plane(background, lens_camera)
+    assert plane.distance_mm == pytest.approx(500.0, abs=0.05)
+    assert plane.tilt_deg == pytest.approx(5.0, abs=0.01)
+
+
 def test_the_surface_lies_around_the_optical_axis(seen: Seen, lens_camera: Camera) -> None:
     plane = solve_plane(seen(5.0, 500.0), lens_camera)
     surface = surface_from_view(plane)

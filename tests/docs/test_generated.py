@@ -1,0 +1,51 @@
+"""The generated pages and drawings are what their commands write, and links in the pages work."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from docs import drawings, reference
+
+REPOSITORY = Path(__file__).parents[2]
+FOLDER = REPOSITORY / "docs"
+PAGES = sorted(
+    path
+    for pattern in ("*.md", "docs/*.md", "clients/*.md", "clients/*/*.md", "protocol/*.md")
+    for path in REPOSITORY.glob(pattern)
+)
+
+
+@pytest.mark.parametrize("name", reference.PAGES)
+def test_a_reference_page_is_up_to_date(name: str) -> None:
+    committed = (FOLDER / name).read_text(encoding="utf-8")
+    assert committed == reference.PAGES[name](), "run `uv run python docs/reference.py`"
+
+
+@pytest.mark.parametrize("name", ["pipeline.svg", "frames.svg"])
+def test_a_drawing_is_up_to_date(name: str, tmp_path: Path) -> None:
+    drawings.main(tmp_path)
+    committed = (FOLDER / "pictures" / name).read_text(encoding="utf-8")
+    assert committed == (tmp_path / name).read_text(encoding="utf-8"), (
+        "run `uv run python docs/drawings.py`"
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+def test_links_lead_to_files_and_headings(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        if "://" in target:
+            continue
+        name, _, anchor = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        assert file.exists(), f"{target} is missing"
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert anchor in map(_anchor, headings), f"no heading for {target}"
+
+
+def _anchor(heading: str) -> str:
+    """Return the anchor that code hosts give a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")

@@ -13,13 +13,13 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from halo_calibration.base import choose_base
-from halo_calibration.correction import Model
-from halo_calibration.guided import CUES
+from halo_calibration.base_model import choose_base
+from halo_calibration.guided.guide import CUES
 from halo_calibration.observe import Observation, Observer
-from halo_calibration.session import Session
-from halo_calibration.steps import Setup, sweep, sweep_change
-from halo_calibration.sweep import SWEEP_S
+from halo_calibration.solvers.correction import Model
+from halo_calibration.solvers.sweep import SWEEP_S
+from halo_calibration.steps import Setup, sweep_change, watch_sweep
+from halo_calibration.steps.session import Session
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.app.virtual_user.user import STATED, VirtualUser
@@ -68,7 +68,7 @@ def calibrated(room: Room) -> Profile:
         user.skip(SETTLE_S)
         observer = Observer(profile, eyes.look, settings.sensing)
         frames = session.lasting(SWEEP_S, "sweep")
-        swept = sweep(frames, session.wanted(SWEEP_S), observer, lambda seen: None)
+        swept = watch_sweep(frames, session.wanted(SWEEP_S), observer, lambda seen: None)
         return sweep_change(setup, swept, profile)(profile)
 
 

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from halo_calibration.homography import mapped
+from halo_calibration.solvers.homography import mapped
 from halo_service.app.cli import main as halo
 from halo_service.app.virtual_user.user import AREA
 from halo_service.geometry.camera import Points

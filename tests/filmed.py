@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from halo_calibration.boards import Projected
-from halo_calibration.guided import Cue
+from halo_calibration.boards.board import Projected
+from halo_calibration.guided.guide import Cue
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.outputs.recorder import Recorder
 from halo_service.virtual.camera import FPS

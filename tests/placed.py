@@ -11,12 +11,12 @@ from functools import cache
 import cv2
 import numpy as np
 
-from halo_calibration.anchor_solver import Anchored, anchor_pose
-from halo_calibration.background import average
-from halo_calibration.boards import Printed
+from halo_calibration.boards.board import Printed
 from halo_calibration.errors import Refused
-from halo_calibration.homography import Solved
-from halo_calibration.plane import solve_plane, surface_from_view
+from halo_calibration.solvers.anchor import Anchored, anchor_pose
+from halo_calibration.solvers.background import average
+from halo_calibration.solvers.homography import Solved
+from halo_calibration.solvers.plane import solve_plane, surface_from_view
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface

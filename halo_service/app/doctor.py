@@ -7,7 +7,7 @@ import socket
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from halo_calibration.base import VIRTUAL, pilot_path
+from halo_calibration.base_model import VIRTUAL, pilot_path
 from halo_service.app.calibration_ui.calibrate import missing
 from halo_service.errors import UserError
 from halo_service.files import from_home

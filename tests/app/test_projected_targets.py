@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halo_calibration.boards import SHEET
-from halo_calibration.guided import CUES, Cue
+from halo_calibration.boards.board import SHEET
+from halo_calibration.guided.guide import CUES, Cue
 from halo_service.app.cli import main
 from halo_service.app.virtual_user.user import STATES
 from halo_service.geometry.camera import Points

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.observe import Observation
-from halo_calibration.touch import Held
+from halo_calibration.solvers.touch import Held
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.values import Side
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from halo_calibration.boards import SHEET, Projected, anchor
-from halo_calibration.projector_solver import projector_by_markers
-from halo_calibration.surface_solver import Laid, surface_by_markers
+from halo_calibration.boards.board import SHEET, Projected, anchor
+from halo_calibration.solvers.projector import projector_by_markers
+from halo_calibration.solvers.surface import Laid, surface_by_markers
 from halo_service.virtual.props import printed
 from tests.placed import (
     Distortion,

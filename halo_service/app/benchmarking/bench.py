@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 import halo_protocol as wire
-from halo_calibration.base import choose_base
-from halo_calibration.correction import Reference, solve_correction
-from halo_calibration.touch import corrected
+from halo_calibration.base_model import choose_base
+from halo_calibration.solvers.correction import Reference, solve_correction
+from halo_calibration.solvers.touch import corrected
 from halo_service.app.benchmarking.table import table
 from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for

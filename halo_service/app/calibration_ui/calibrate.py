@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from halo_calibration.base import choose_base, pilot_path, read_base, write_base
-from halo_calibration.guided import Guided
+from halo_calibration.base_model import choose_base, pilot_path, read_base, write_base
+from halo_calibration.guided.guide import Guided
+from halo_calibration.guided.pilot import merged, pilot_rounds, pilot_samples
 from halo_calibration.observe import Look
-from halo_calibration.pilot import merged, pilot_rounds, pilot_samples
-from halo_calibration.script import read_script
-from halo_calibration.scripted import Scripted
-from halo_calibration.session import Session
+from halo_calibration.scripted.run import Scripted
+from halo_calibration.scripted.script import read_script
+from halo_calibration.solvers.touch import Stated
 from halo_calibration.steps import STEPS, Change, Setup, require
-from halo_calibration.touch import Stated
+from halo_calibration.steps.session import Session
 from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
 from halo_service.app.calibration_ui.terminal import Terminal, told
 from halo_service.app.hand_detector import HandDetector

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from halo_calibration.boards import ANCHOR, Printed
-from halo_calibration.guided import Guided
-from halo_calibration.guided_place import GuidedPlace
-from halo_calibration.guided_projector import GuidedProjector
+from halo_calibration.boards.board import ANCHOR, Printed
+from halo_calibration.guided.guide import Guided
+from halo_calibration.guided.place import GuidedPlace
+from halo_calibration.guided.projector import GuidedProjector
 from halo_calibration.steps import Change, surface_change
 from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.errors import UserError

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from halo_calibration.guided import Cue
+from halo_calibration.guided.guide import Cue
 from halo_calibration.observe import Observation
 from halo_service.profile import StepRecord
 

@@ -75,7 +75,7 @@ def _add_place_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the steps. Ctrl-C keeps the complete steps."""
-    from halo_calibration.touch import Stated
+    from halo_calibration.solvers.touch import Stated
     from halo_service.app.calibration_ui.calibrate import CalibrateRequest, calibrate, pilot
     from halo_service.values import Side
 
@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _place_request(options: argparse.Namespace) -> PlaceRequest:
     """Collect how surface, projector and anchor are found."""
-    from halo_calibration.boards import ANCHOR, anchor
+    from halo_calibration.boards.board import ANCHOR, anchor
     from halo_service.app.calibration_ui.place import PlaceRequest
     from halo_service.app.projector.screens import FILE_PX, ScreenRequest, size_of
 

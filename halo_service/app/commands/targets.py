@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the sheets."""
-    from halo_calibration.targets import sheets
+    from halo_calibration.boards.sheets import sheets
     from halo_service.files import appearing
 
     try:

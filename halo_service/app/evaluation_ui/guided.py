@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from halo_calibration.session import Session
-from halo_calibration.targets import CROSSES_MM, cross_name
+from halo_calibration.boards.sheets import CROSSES_MM, cross_name
+from halo_calibration.steps.session import Session
 from halo_service.app.files import written
 from halo_service.app.progress import progress
 from halo_service.app.sources import open_source

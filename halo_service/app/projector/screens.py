@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.guided_projector import Screen
+from halo_calibration.guided.projector import Screen
 from halo_service.app.projector.display import Display
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError

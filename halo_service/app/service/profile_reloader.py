@@ -12,7 +12,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from halo_calibration.background import WANTED_FRAMES
+from halo_calibration.solvers.background import WANTED_FRAMES
 from halo_calibration.steps import Change, Setup, background_change
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.guided_projector import Screen
+from halo_calibration.guided.projector import Screen
 from halo_service.app.projector.display import Display
 from halo_service.app.verification.crossings import Finger, Grid, Landing
 from halo_service.errors import UserError

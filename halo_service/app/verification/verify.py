@@ -13,8 +13,8 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field, replace
 from types import FrameType
 
-from halo_calibration.guided import Cue
-from halo_calibration.guided_projector import Screen
+from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.projector import Screen
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.app.sources import decide, open_source

@@ -9,11 +9,11 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 
-from halo_calibration.base import VIRTUAL, write_base
-from halo_calibration.guided import Cue
+from halo_calibration.base_model import VIRTUAL, write_base
+from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.pilot import ANGLES_DEG, merged, pilot_samples, usable
 from halo_calibration.observe import Observer
-from halo_calibration.pilot import ANGLES_DEG, merged, pilot_samples, usable
-from halo_calibration.sweep import SWEEP_S, Samples, samples_of
+from halo_calibration.solvers.sweep import SWEEP_S, Samples, samples_of
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.app.virtual_user.user import VirtualUser

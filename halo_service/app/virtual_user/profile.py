@@ -12,11 +12,11 @@ from dataclasses import replace
 
 from halo_calibration import steps
 from halo_calibration.errors import Refused
-from halo_calibration.guided import CUES
+from halo_calibration.guided.guide import CUES
 from halo_calibration.observe import Observation, Observer
-from halo_calibration.session import Session
+from halo_calibration.solvers.touch import STATES, Held
 from halo_calibration.steps import Setup
-from halo_calibration.touch import STATES, Held
+from halo_calibration.steps.session import Session
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.user import STATED, VirtualUser
 from halo_service.errors import UserError
@@ -61,7 +61,7 @@ def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -
     user.obey(CUES[state])
     user.skip(SETTLE_S)
     frames = session.lasting(HELD_S, state)
-    return steps.hold(state, frames, session.wanted(HELD_S), observer, _nobody)
+    return steps.watch_hold(state, frames, session.wanted(HELD_S), observer, _nobody)
 
 
 def _nobody(seen: Observation | None) -> None:

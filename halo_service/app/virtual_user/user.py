@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.boards import Printed, marker_squares
-from halo_calibration.guided import Cue
-from halo_calibration.touch import Stated
+from halo_calibration.boards.board import Printed, marker_squares
+from halo_calibration.guided.guide import Cue
+from halo_calibration.solvers.touch import Stated
 from halo_service.values import Frame, SourceKind
 from halo_service.virtual.bodies import wedge
 from halo_service.virtual.camera import FPS

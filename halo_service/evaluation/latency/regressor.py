@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from halo_calibration.correction import Base, boosted
+from halo_calibration.solvers.correction import Base, boosted
 from halo_service.profile import Profile
 
 LEAST_SAMPLES = 200

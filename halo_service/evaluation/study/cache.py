@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from halo_calibration.background import solve_background
-from halo_calibration.plane import solve_plane, surface_from_view
+from halo_calibration.solvers.background import solve_background
+from halo_calibration.solvers.plane import solve_plane, surface_from_view
 from halo_service.evaluation.study.plan import CALIBRATION, Person, Task
 from halo_service.evaluation.study.recording import (
     Capture,

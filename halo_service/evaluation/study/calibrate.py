@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from halo_calibration.base import VIRTUAL, read_base
-from halo_calibration.script import parse_script
-from halo_calibration.scripted import Scripted
-from halo_calibration.session import Session
+from halo_calibration.base_model import VIRTUAL, read_base
+from halo_calibration.scripted.run import Scripted
+from halo_calibration.scripted.script import parse_script
 from halo_calibration.steps import Setup
+from halo_calibration.steps.session import Session
 from halo_service.errors import UserError
 from halo_service.evaluation.study.cache import background_of, profile_of_table
 from halo_service.evaluation.study.plan import CALIBRATION

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from halo_calibration.background import solve_background
-from halo_calibration.base import choose_base
-from halo_calibration.plane import solve_plane, surface_from_view
+from halo_calibration.base_model import choose_base
+from halo_calibration.solvers.background import solve_background
+from halo_calibration.solvers.plane import solve_plane, surface_from_view
 from halo_service.app.benchmarking.bench import Service
 from halo_service.app.cli import main
 from halo_service.evaluation.latency.blocks import Block, run

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halo_calibration.base import VIRTUAL, pilot_path, read_base, write_base
+from halo_calibration.base_model import VIRTUAL, pilot_path, read_base, write_base
 from halo_service.evaluation.methods.paper.detector import Detector, detect
 from halo_service.evaluation.methods.paper.method import PAPER
 from halo_service.profile import Profile

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from halo_calibration.base import VIRTUAL, read_base
-from halo_calibration.correction import Reference, solve_correction
+from halo_calibration.base_model import VIRTUAL, read_base
 from halo_calibration.observe import Observation
-from halo_calibration.script import Line, parse_script, stated_in
-from halo_calibration.sweep import Swept, judge_sweep
-from halo_calibration.touch import STATES, Held, Stated, corrected, solve_touch
+from halo_calibration.scripted.script import Line, parse_script, stated_in
+from halo_calibration.solvers.correction import Reference, solve_correction
+from halo_calibration.solvers.sweep import Swept, judge_sweep
+from halo_calibration.solvers.touch import STATES, Held, Stated, corrected, solve_touch
 from halo_service.evaluation.methods.paper.signal import read
 from halo_service.profile import Correction, Profile
 from halo_service.runtime.method import Script, Seen

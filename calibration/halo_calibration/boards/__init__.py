@@ -1,0 +1,1 @@
+"""Boards to print or project: what they look like, how they are found, and the sheets."""

@@ -1,0 +1,1 @@
+"""A person is prompted, sees the signal live, and may try again."""

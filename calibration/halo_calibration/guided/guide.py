@@ -1,0 +1,195 @@
+"""Guided calibration: a person is told what to do, sees the signal, and may try again.
+
+Rule: the order of things and the words. What is seen becomes a profile in `steps`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple, Protocol, TypeVar
+
+from halo_calibration import steps
+from halo_calibration.boards.board import Printed
+from halo_calibration.errors import NO_HALO, Refused
+from halo_calibration.observe import Look, Observation, Observer
+from halo_calibration.solvers.background import WANTED_FRAMES
+from halo_calibration.solvers.sweep import SWEEP_S, Swept, covered, draw_map, samples_of
+from halo_calibration.solvers.touch import HOLD_S, STATES, Held, judge_held
+from halo_calibration.steps import Change, Setup
+from halo_calibration.steps.session import Session
+from halo_service.profile import Profile
+from halo_service.values import Frame
+
+ATTEMPTS = 3
+"""So often a step may be refused before we give up."""
+READY_S = 3.0
+"""The count-down before something is measured."""
+
+T = TypeVar("T")
+
+
+class Cue(NamedTuple):
+    """What the person shall do now; a virtual user takes it by its name."""
+
+    name: str
+    """background, hover, subtle, touch, pressure, sweep or pilot; sheet, corner, board, cross or
+    marker."""
+    words: str
+    pitch_deg: float = 45.0
+    """The wedge's."""
+    number: int = 0
+    """Which corner."""
+    at_px: tuple[float, float] = (0.0, 0.0)
+    """Where a cross is, in the projector's pixels."""
+    board: Printed | None = None
+    """What lies on the table."""
+
+
+CUES = {
+    "background": Cue("background", "Clear the surface: no hands, nothing that moves in view."),
+    "hover": Cue(
+        "hover",
+        "HOVER: hold the index finger 10 mm above the middle of the surface, where the halo just "
+        "shows (resting on a peg, if you have one, that is narrower than the fingertip), the other "
+        "fingers curled.",
+    ),
+    "subtle": Cue("subtle", "SUBTLE: as near as you can without touching, about 1 mm above."),
+    "touch": Cue("touch", "TOUCH: let the fingertip rest on the surface, relaxed."),
+    "pressure": Cue("pressure", "PRESSURE: press down with medium force."),
+    "sweep": Cue(
+        "sweep",
+        "SWEEP: rest the finger on the 45 degree wedge, its tip on the surface, and draw it over "
+        "the whole surface, out to the edges, turning it a little to both sides.",
+    ),
+}
+
+
+class Guide(Protocol):
+    """How the person is told: a terminal, or nobody."""
+
+    def tell(self, cue: Cue) -> None:
+        """Say what to do now."""
+
+    def say(self, words: str) -> None:
+        """Say how something went."""
+
+    def live(self, seconds_left: float, measuring: bool, seen: Observation | str | None) -> None:
+        """Show the count-down, and the finger's signal or what else is seen, in words."""
+
+    def map(self, lines: list[str]) -> None:
+        """Show what of the surface is covered."""
+
+
+class Guided:
+    """One guided calibration."""
+
+    def __init__(
+        self,
+        setup: Setup,
+        session: Session,
+        guide: Guide,
+        look_with: Callable[[Profile | None], Look],
+        hold_s: float = HOLD_S,
+    ) -> None:
+        """`look_with` gives a hand tracker for the profile as far as it is known."""
+        self.setup = setup
+        self.session = session
+        self.guide = guide
+        self._look_with = look_with
+        self._hold_s = hold_s
+        self.left_s = 0.0
+
+    def background(self) -> Change:
+        """Take the empty surface."""
+        look = self._look_with(None)
+
+        def attempt() -> Change:
+            self.guide.tell(CUES["background"])
+            for _ in self.timed("background", READY_S):
+                self.guide.live(self.left_s, False, None)
+            frames = []
+            for frame in self.timed("background", WANTED_FRAMES / self.setup.camera.fps):
+                self.guide.live(self.left_s, True, None)
+                frames.append(frame)
+            return steps.background_change(self.setup, frames, look)
+
+        return self.until_good(attempt)
+
+    def touch(self, profile: Profile) -> Change:
+        """Take the four states; a state that is not still is done again at once, the set once
+        more where they overlap."""
+        observer = self.observer(profile)
+
+        def one(state: str) -> Held:
+            held = self._held(state, observer)
+            judge_held(held)
+            return held
+
+        def attempt() -> Change:
+            helds = {state: self.until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
+            return steps.touch_change(self.setup, helds)
+
+        return self.until_good(attempt)
+
+    def sweep(self, profile: Profile) -> Change:
+        """Take the sweep."""
+        observer = self.observer(profile)
+
+        def attempt() -> Change:
+            swept = self.swept(CUES["sweep"], SWEEP_S, observer, profile)
+            return steps.sweep_change(self.setup, swept, profile)
+
+        return self.until_good(attempt)
+
+    def swept(self, cue: Cue, seconds: float, observer: Observer, profile: Profile) -> Swept:
+        """Let the person sweep once, with the live map of what is covered."""
+        self.guide.tell(cue)
+        self._ready(cue.name, observer)
+        seen: list[Observation] = []
+
+        def watch(observation: Observation | None) -> None:
+            if observation is not None:
+                seen.append(observation)
+            self.guide.map(draw_map(covered(samples_of(seen), profile.surface)))
+            self.guide.live(self.left_s, True, observation)
+
+        frames = self.timed(cue.name, seconds)
+        return steps.watch_sweep(frames, self.session.wanted(seconds), observer, watch)
+
+    def observer(self, profile: Profile) -> Observer:
+        """Return an observer that stands on a profile's background."""
+        setup = self.setup
+        return Observer(profile, self._look_with(profile), setup.settings, setup.side)
+
+    def _held(self, state: str, observer: Observer) -> Held:
+        self.guide.tell(CUES[state])
+        self._ready(state, observer)
+        wanted = self.session.wanted(self._hold_s)
+
+        def watch(observation: Observation | None) -> None:
+            self.guide.live(self.left_s, True, observation)
+
+        return steps.watch_hold(state, self.timed(state, self._hold_s), wanted, observer, watch)
+
+    def _ready(self, during: str, observer: Observer) -> None:
+        """Count down, with the live signal."""
+        for frame in self.timed(during, READY_S):
+            self.guide.live(self.left_s, False, observer.see(frame))
+
+    def timed(self, during: str, seconds: float) -> Iterator[Frame]:
+        """Yield frames for a while, and keep how much of it is left."""
+        first_us: int | None = None
+        for frame in self.session.lasting(seconds, during):
+            first_us = frame.time_us if first_us is None else first_us
+            self.left_s = seconds - (frame.time_us - first_us) / 1e6
+            yield frame
+
+    def until_good(self, attempt: Callable[[], T]) -> T:
+        for left in reversed(range(ATTEMPTS)):
+            try:
+                return attempt()
+            except Refused as refused:
+                if left == 0 or NO_HALO in str(refused):
+                    raise
+                self.guide.say(f"{refused}.")
+        raise AssertionError("the last attempt returns or raises")

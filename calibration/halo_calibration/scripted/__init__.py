@@ -1,0 +1,1 @@
+"""A script says which step happens when in a recording."""

@@ -1,0 +1,109 @@
+"""Unattended surface, projector and anchor: what a script's line says of them.
+
+Rule: as `scripted`: a line and its frames become a change of the profile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+
+from halo_calibration.boards.board import ANCHOR, Projected, anchor, crosses
+from halo_calibration.boards.graycode import count
+from halo_calibration.errors import Refused
+from halo_calibration.observe import Observer
+from halo_calibration.scripted.script import Line
+from halo_calibration.solvers.dwell import Place, dwells_for, touches
+from halo_calibration.solvers.rigid2d import TOUCHES
+from halo_calibration.solvers.surface import CORNERS
+from halo_calibration.steps import Change, Setup, surface_change
+from halo_calibration.steps import place as place_steps
+from halo_calibration.steps.place import View, colour_view
+from halo_service.profile import Profile
+from halo_service.values import Frame
+
+PLACED = ("surface", "projector", "anchor")
+"""The steps that are taken here."""
+LOOKED_AT = 60
+"""Frames of a board that are averaged at most: more make the picture no clearer."""
+MIDDLE = (0.5, 0.9)
+"""Part of a stripe picture's time in which it is surely shown: a projector and the camera are late
+by a quarter of a second."""
+
+Eye = Callable[[Profile], Observer]
+
+
+def placed(setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye) -> Change:
+    """Take one step. `eye` gives what finds fingers over a profile's surface. Raises `Refused`."""
+    if line.step == "surface":
+        return _surface(setup, line, frames, profile, eye)
+    if line.step == "anchor":
+        marker = anchor(
+            line.words.get("family", ANCHOR.family.name),
+            int(line.fields.get("marker", next(iter(ANCHOR.middles_mm)))),
+            line.fields.get("size_mm", ANCHOR.size_mm),
+        )
+        return place_steps.anchor_change(setup, list(islice(frames, LOOKED_AT)), profile, marker)
+    return _projector(setup, line, frames, profile, eye)
+
+
+def _surface(
+    setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye
+) -> Change:
+    by = line.words.get("by", "view")
+    if by == "view":
+        return surface_change(setup, **line.fields)
+    if by == "markers":
+        looked = list(islice(frames, LOOKED_AT))
+        return place_steps.sheet_change(setup, looked, profile, **line.fields)
+    corners = _touched(frames, profile, eye(profile), len(CORNERS), "corners")
+    return place_steps.corners_change(setup, corners, profile)
+
+
+def _projector(
+    setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye
+) -> Change:
+    size_px = int(line.fields["width_px"]), int(line.fields["height_px"])
+    by = line.words.get("by", "markers")
+    if by == "markers":
+        board = Projected(*size_px)
+        return place_steps.board_change(setup, islice(frames, LOOKED_AT), profile, board)
+    if by == "gray":
+        each_s = (line.to_s - line.from_s) / count(*size_px)
+        views = list(_views(frames, setup, each_s, count(*size_px)))
+        return place_steps.stripes_change(setup, views, profile, size_px)
+    touched = _touched(frames, profile, eye(profile), len(crosses(*size_px)), "crosses")
+    return place_steps.crosses_change(setup, touched, profile, size_px)
+
+
+def _touched(
+    frames: Iterable[Frame], profile: Profile, observer: Observer, marks: int, what: str
+) -> list[list[Place]]:
+    """Take three touches of each mark, in order."""
+    seen = (observer.see(frame) for frame in frames)
+    found = touches(seen, dwells_for(profile, profile.camera.fps), marks * TOUCHES)
+    if len(found) < marks * TOUCHES:
+        raise Refused(
+            f"only {len(found)} touches of the {what} were seen, and {marks} x {TOUCHES} are "
+            f"needed: rest the finger for half a second each time, lift it by a hand's width in "
+            f"between, or correct the script's times"
+        )
+    return [found[n : n + TOUCHES] for n in range(0, len(found), TOUCHES)]
+
+
+def _views(frames: Iterable[Frame], setup: Setup, each_s: float, wanted: int) -> Iterator[View]:
+    """One view of each stripe picture, all shown equally long, one after the other."""
+    kept: dict[int, list[Frame]] = {number: [] for number in range(wanted)}
+    first_us: int | None = None
+    for frame in frames:
+        first_us = frame.time_us if first_us is None else first_us
+        number, part = divmod((frame.time_us - first_us) / 1e6 / each_s, 1.0)
+        if number in kept and MIDDLE[0] <= part <= MIDDLE[1]:
+            kept[int(number)].append(frame)
+    for number, shown in kept.items():
+        if not shown:
+            raise Refused(
+                f"no frame shows stripe picture {number + 1} of {wanted}: show each for half a "
+                f"second, or correct the script's times"
+            )
+        yield colour_view(shown, setup.camera)

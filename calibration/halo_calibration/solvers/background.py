@@ -1,0 +1,102 @@
+"""The empty surface: its mean, its noise, and where it can be measured. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_calibration.errors import Refused
+from halo_calibration.image_places import largest
+from halo_service.profile import Background
+from halo_service.values import Depth
+
+WANTED_FRAMES = 60
+"""The paper's background is the mean of 60 frames (section 4.3.1)."""
+LEAST_FRAMES = 45
+"""As many good frames suffice: a few may be dropped."""
+GOOD_FRACTION = 0.75
+"""A pixel is valid with 45 good frames of 60: mixed pixels at edges come and go."""
+BLOCK_PX = 8
+"""Movement is sought in blocks of 8 x 8 pixels: one pixel's noise is no movement."""
+MOVED_MM = 4.0
+"""Between the first and the last third a still block's mean moves by less (noise is 1 mm a pixel,
+0.03 mm a block and third; the rest is for a device that warms up or a table that is bumped)."""
+NOISY_MM = 8.0
+"""A still pixel's standard deviation is less, except at edges and in the dark."""
+MOVED_BLOCKS = 3
+"""Blocks in a row that make a movement: two fingers' width."""
+THRESHOLD_SIGMAS, THRESHOLD_MM = 5.0, (4.0, 10.0)
+"""A pixel is halo when it departs by so many standard deviations; the bounds are those of the
+paper (4.3.1: 5 to 10 by placement and material), the lower one a little below."""
+
+
+def solve_background(depths: Sequence[Depth]) -> Background:
+    """Average depth frames of the empty surface.
+
+    `depths`: (H, W) uint16 mm, 0 = unmeasured; unmeasured values count for nothing.
+    Raises `Refused` for too few frames, or where something moved, saying where.
+    """
+    if len(depths) < LEAST_FRAMES:
+        raise Refused(
+            f"only {len(depths)} of the {WANTED_FRAMES} frames of the empty surface came, and "
+            f"{LEAST_FRAMES} are needed: the camera dropped frames; plug it into a USB 3 port of "
+            f"its own, close other programs, and take the background again"
+        )
+    background = average(depths)
+    third = len(depths) // 3
+    moved = _moved(background, average(depths[:third]), average(depths[-third:]))
+    size, place = largest(moved)
+    if size >= MOVED_BLOCKS:
+        share = 100.0 * size / moved.size
+        raise Refused(
+            f"something moved {place} of the picture while the background was taken (about "
+            f"{share:.0f} % of it): keep hands and people out of the camera's view, and take it "
+            f"again"
+        )
+    return background
+
+
+def average(depths: Sequence[Depth]) -> Background:
+    """Return mean and standard deviation of each pixel over one frame or more."""
+    count = np.zeros(depths[0].shape, np.float64)
+    total, squares = np.zeros_like(count), np.zeros_like(count)
+    for depth in depths:
+        value = depth.astype(np.float64)
+        count += depth > 0
+        total += value
+        cv2.accumulateSquare(value, squares)
+    seen = np.maximum(count, 1.0)
+    mean = total / seen
+    variance = np.maximum(squares / seen - mean * mean, 0.0)
+    valid = count >= max(1.0, GOOD_FRACTION * len(depths))
+    return Background(mean.astype(np.float32), np.sqrt(variance).astype(np.float32), valid)
+
+
+def halo_threshold(background: Background) -> float:
+    """Return the excess depth in mm from which a pixel is halo on this surface."""
+    noise = background.noise_mm[background.valid]
+    typical = float(np.median(noise)) if noise.size else THRESHOLD_MM[1]
+    return round(float(np.clip(THRESHOLD_SIGMAS * typical, *THRESHOLD_MM)), 1)
+
+
+def _moved(whole: Background, first: Background, last: Background) -> NDArray[np.bool_]:
+    """Return the blocks in which something moved, (H / 8, W / 8)."""
+    both = first.valid & last.valid
+    shift = np.where(both, last.mean_mm - first.mean_mm, 0.0)
+    seen = _blocks(both.astype(np.float64)).sum(axis=(1, 3))
+    mean_shift = _blocks(shift).sum(axis=(1, 3)) / np.maximum(seen, 1.0)
+    half = BLOCK_PX * BLOCK_PX / 2
+    shifted = (seen >= half) & (np.abs(mean_shift) > MOVED_MM)
+    # A hand that passed in between, or pixels that were seen at one end only.
+    noisy = _blocks((whole.noise_mm > NOISY_MM) & (whole.mean_mm > 0)).sum(axis=(1, 3)) > half
+    gone = _blocks(first.valid != last.valid).sum(axis=(1, 3)) > half
+    return np.asarray(shifted | noisy | gone)
+
+
+def _blocks(image: NDArray[np.generic]) -> NDArray[np.generic]:
+    """View (H, W) as (H / 8, 8, W / 8, 8), leaving out what is left over."""
+    height, width = (size - size % BLOCK_PX for size in image.shape)
+    return image[:height, :width].reshape(height // BLOCK_PX, BLOCK_PX, width // BLOCK_PX, BLOCK_PX)

@@ -1,0 +1,92 @@
+"""Touches at places that were asked for, by a finger whose halo nobody knows yet. Pure.
+
+A finger that comes down where it was asked to stays there: it stands still for a moment, and the
+surface around it shows a halo. That it was lifted in between tells one touch from the next.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+import numpy as np
+
+from halo_calibration.observe import Observation
+from halo_calibration.solvers.touch import NO_HALO_MM_PX
+from halo_service.profile import Profile
+
+STILL_S = 0.4
+"""A finger stands still at the end of a tap for less than that; chosen."""
+STILL_MM = 3.0
+"""All of its places in that time lie this near to their middle: the fingertip is found to 2 mm."""
+LEAST_SEEN = 0.7
+"""Share of that time's frames in which the finger must be found, with a halo."""
+LEAST_OF_TOUCH = 0.4
+"""Of the halo of a touch that is known: it fades by a third towards the edges, and a finger that
+hovers at 10 mm shows less than a quarter."""
+LIFTED = 0.5
+"""Of the halo that it rested with: below, the finger has been lifted."""
+APART_MM = 25.0
+"""A finger that is found so far away has been lifted meanwhile."""
+
+Place = tuple[float, float]
+"""x and y on the surface, mm."""
+
+
+class Dwells:
+    """Tells touches from the observations as they come."""
+
+    def __init__(self, fps: float, least_raw: float = NO_HALO_MM_PX) -> None:
+        """`least_raw`: the weakest halo that is a touch, mm px."""
+        self._frames = round(STILL_S * fps)
+        self._least_raw = least_raw
+        self._strongest = 0.0
+        self._recent: deque[Observation | None] = deque(maxlen=self._frames)
+        self._resting: Observation | None = None
+        """The finger as it was taken, until it is lifted."""
+
+    def take(self, seen: Observation | None) -> Place | None:
+        """Look at one frame's finger; return where a touch was, once for each."""
+        if self._resting is not None:
+            if seen is None or not self._lifted(seen, self._resting):
+                return None
+            self._resting = None
+            self._recent.clear()
+        self._recent.append(seen)
+        down = [each for each in self._recent if each is not None and each.raw >= self._least()]
+        if len(down) < LEAST_SEEN * self._frames:
+            return None
+        where = np.array([(each.x_mm, each.y_mm) for each in down])
+        middle = np.median(where, axis=0)
+        if np.hypot(*(where - middle).T).max() > STILL_MM:
+            return None
+        raw = float(np.median([each.raw for each in down]))
+        self._strongest = max(self._strongest, raw)
+        self._resting = min(down, key=lambda each: abs(each.raw - raw))
+        return float(middle[0]), float(middle[1])
+
+    def _least(self) -> float:
+        return max(self._least_raw, LEAST_OF_TOUCH * self._strongest)
+
+    def _lifted(self, seen: Observation, rested: Observation) -> bool:
+        apart = np.hypot(seen.x_mm - rested.x_mm, seen.y_mm - rested.y_mm)
+        return bool(apart > APART_MM or seen.raw < LIFTED * rested.raw)
+
+
+def dwells_for(profile: Profile, fps: float) -> Dwells:
+    """Look for touches by what is known of this finger's halo."""
+    if profile.touch is None:
+        return Dwells(fps)
+    return Dwells(fps, max(NO_HALO_MM_PX, LEAST_OF_TOUCH * profile.touch.touch.raw))
+
+
+def touches(seen: Iterable[Observation | None], dwells: Dwells, count: int) -> list[Place]:
+    """Return the first `count` touches, or as many as there are."""
+    places: list[Place] = []
+    for each in seen:
+        place = dwells.take(each)
+        if place is not None:
+            places.append(place)
+        if len(places) == count:
+            break
+    return places

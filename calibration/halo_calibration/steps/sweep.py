@@ -1,0 +1,84 @@
+"""The step of the sweep: how a touch's halo changes over place and angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from halo_calibration.errors import Refused
+from halo_calibration.observe import Observer
+from halo_calibration.solvers.correction import (
+    Base,
+    Reference,
+    judge_correction,
+    solve_correction,
+)
+from halo_calibration.solvers.sweep import (
+    GOOD_COVERED,
+    Samples,
+    Swept,
+    coverage,
+    covered,
+    judge_sweep,
+)
+from halo_calibration.solvers.touch import corrected
+from halo_calibration.steps.change import Change, Setup, Watch, require, rounded, watched
+from halo_service.profile import Profile, StepRecord
+from halo_service.values import Frame
+
+FAIR_CORRECTED = 0.15
+"""A corrected touch that varies more over the sweep is rated fair."""
+
+
+def watch_sweep(frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch) -> Swept:
+    """Watch a finger that is drawn over the surface."""
+    came, seen = watched(frames, observer, watch)
+    return Swept(wanted, came, seen)
+
+
+def sweep_change(setup: Setup, swept: Swept, profile: Profile) -> Change:
+    """Take the sweep over a profile's surface. Raises `Refused` where it is not good enough."""
+    surface = profile.surface
+    samples = judge_sweep(swept, surface)
+    fit = judge_correction(surface, setup.base, samples)
+    if fit.corrected > fit.raw and fit.corrected > FAIR_CORRECTED:
+        raise Refused(
+            f"the halo of the sweep cannot be predicted ({100 * fit.corrected:.0f} % is left of "
+            f"{100 * fit.raw:.0f} %): rest the finger on the wedge all the time, draw it slowly "
+            f"and evenly, and sweep again"
+        )
+    share = coverage(covered(samples, surface))
+    good = share >= GOOD_COVERED and fit.corrected < FAIR_CORRECTED
+    record = StepRecord(
+        setup.date,
+        "good" if good else "fair",
+        rounded(
+            samples=len(samples),
+            covered_share=share,
+            variation_raw=fit.raw,
+            variation_corrected=fit.corrected,
+        ),
+        "" if setup.base else "no base model: pitches other than the wedge's are not corrected",
+    )
+
+    def change(before: Profile | None) -> Profile:
+        known = require(before, "sweep")
+        return _with_correction(known, setup.base, samples, record)
+
+    return change
+
+
+def _with_correction(
+    known: Profile, base: Base | None, samples: Samples | None, record: StepRecord
+) -> Profile:
+    assert known.touch is not None  # `require` saw to it
+    held = known.touch.touch
+    at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
+    correction = solve_correction(known.surface, base, samples, at)
+    return replace(
+        known,
+        correction=correction,
+        touch=corrected(known.touch, correction),
+        by_hand={side: corrected(each, correction) for side, each in known.by_hand.items()},
+        steps={**known.steps, "sweep": record},
+    )

@@ -1,0 +1,65 @@
+"""The step of the four states: hover, subtle, touch, pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from halo_calibration.observe import Observer
+from halo_calibration.solvers.touch import Held, Stated, dents_known, solve_touch
+from halo_calibration.steps.change import Change, Setup, Watch, require, rounded, watched
+from halo_service.profile import Profile, StepRecord, TouchStates
+from halo_service.values import Frame, Side
+
+NO_DENTS = (
+    "the dent under the fingertip was hidden or hardly deeper in one state than in the one before, "
+    "so touch and force are read off the halo's strength and height off the finger's own depth"
+)
+"""Said of the four states."""
+
+
+def watch_hold(
+    state: str, frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch
+) -> Held:
+    """Watch a finger that is held in one of the four states."""
+    came, seen = watched(frames, observer, watch)
+    return Held(state, wanted, came, seen)
+
+
+def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
+    """Take the four states. Raises `Refused` at once where they are not good enough."""
+    solve_touch(helds, setup.stated, None)
+
+    def change(before: Profile | None) -> Profile:
+        known = require(before, "touch")
+        states, apart, quality = solve_touch(helds, setup.stated, known.correction)
+        by_hand = dict(known.by_hand)
+        everyone = states
+        if setup.side is not Side.UNKNOWN:
+            by_hand[setup.side] = states
+            everyone = known.touch or states
+        record = StepRecord(
+            setup.date,
+            quality,
+            rounded(
+                separation_sigmas=apart,
+                **{f"{name}_mm_px": getattr(states, name).raw for name in helds},
+            ),
+            _touch_note(setup.stated, states),
+        )
+        return replace(
+            known, touch=everyone, by_hand=by_hand, steps={**known.steps, "touch": record}
+        )
+
+    return change
+
+
+def _touch_note(stated: Stated, states: TouchStates) -> str:
+    heights = stated.of("hover")[2] and stated.of("subtle")[2]
+    force = stated.of("pressure")[2]
+    parts = [
+        "" if heights else "heights are assumed (10 and 1 mm)",
+        "" if force else "the press's force is unknown, so no grams are told",
+        "" if dents_known(states) else NO_DENTS,
+    ]
+    return "; ".join(part for part in parts if part)

@@ -1,0 +1,77 @@
+"""Smooth curves over place and pitch level a dent to less than a per cent."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from halo_calibration.solvers.dents import LEAST_SAMPLES, by_pitch, by_place
+
+Floats = NDArray[np.float64]
+X_MM, Y_MM = np.linspace(-20.0, 320.0, 24), np.linspace(-20.0, 220.0, 17)
+PITCH_DEG = np.linspace(15.0, 75.0, 9)
+AT = (150.0, 100.0)
+
+
+def place_truth(x_mm: Floats, y_mm: Floats) -> Floats:
+    """A slope, and a fall towards the edges."""
+    x, y = (x_mm - AT[0]) / 150.0, (y_mm - AT[1]) / 100.0
+    return np.asarray((1.0 + 0.05 * x - 0.03 * y) * (1.0 - 0.15 * x**2 - 0.05 * y**2))
+
+
+def pitch_truth(pitch_deg: Floats) -> Floats:
+    return np.asarray(1.0 - 0.05 * ((pitch_deg - 45.0) / 15.0) ** 2)
+
+
+def swept(strength: Floats, x_mm: Floats, y_mm: Floats, pitch_deg: Floats) -> Floats:
+    """Samples with a per cent of noise; every twentieth is misread, every tenth hidden."""
+    rng = np.random.default_rng(5)
+    dent = 30.0 * strength * rng.normal(1.0, 0.01, len(strength))
+    dent[::20] *= 0.4
+    dent[5::10] = np.nan
+    nothing = np.zeros(len(dent))
+    return np.column_stack([x_mm, y_mm, pitch_deg, nothing, nothing + 2000.0, dent])
+
+
+@pytest.fixture(scope="module")
+def sweep() -> Floats:
+    rng = np.random.default_rng(4)
+    x, y = rng.uniform(25.0, 275.0, 600), rng.uniform(25.0, 175.0, 600)
+    return swept(place_truth(x, y), x, y, np.full(600, 45.0))
+
+
+@pytest.fixture(scope="module")
+def pilots() -> Floats:
+    rng = np.random.default_rng(6)
+    x, y = rng.uniform(-125.0, 125.0, 2000), rng.uniform(-75.0, 75.0, 2000)
+    pitch = np.repeat([15.0, 30.0, 45.0, 60.0, 75.0], 400) + rng.normal(0.0, 3.0, 2000)
+    both = place_truth(x + AT[0], y + AT[1]) * pitch_truth(np.clip(pitch, 30.0, 60.0))
+    return swept(both, x, y, pitch)
+
+
+def test_the_dent_is_one_where_the_states_were_held_and_true_over_the_swept_area(
+    sweep: Floats,
+) -> None:
+    grid = by_place(sweep, X_MM, Y_MM, AT)
+    inside = np.ix_((X_MM > 25.0) & (X_MM < 275.0), (Y_MM > 25.0) & (Y_MM < 175.0))
+    true = place_truth(X_MM[:, None], Y_MM[None, :])
+    assert grid[inside] == pytest.approx(true[inside], rel=0.01)
+    assert by_place(sweep, np.array([150.0]), np.array([100.0]), AT) == pytest.approx(1.0)
+
+
+def test_beyond_the_swept_area_its_edge_goes_on(sweep: Floats) -> None:
+    grid = by_place(sweep, np.array([-20.0, 10.0, 25.0]), np.array([100.0]), AT)
+    assert grid[0] == grid[1] == pytest.approx(grid[2], rel=0.01)
+
+
+def test_pitch_is_told_apart_from_place_within_the_wedges(pilots: Floats) -> None:
+    curve = by_pitch(pilots, PITCH_DEG, 45.0)
+    assert curve == pytest.approx(pitch_truth(np.clip(PITCH_DEG, 30.0, 60.0)), abs=0.006)
+    assert by_pitch(pilots, np.array([35.0]), 35.0) == pytest.approx(1.0)
+
+
+def test_too_few_samples_correct_nothing(sweep: Floats) -> None:
+    few = sweep[: LEAST_SAMPLES // 2]
+    assert np.all(by_place(few, X_MM, Y_MM, AT) == 1.0)
+    assert np.all(by_pitch(few, PITCH_DEG, 45.0) == 1.0)

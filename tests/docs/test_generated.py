@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs import drawings, reference
+from docs import drawings, latency, reference
 
 REPOSITORY = Path(__file__).parents[2]
 FOLDER = REPOSITORY / "docs"
@@ -49,3 +49,15 @@ def test_links_lead_to_files_and_headings(page: Path) -> None:
 def _anchor(heading: str) -> str:
     """Return the anchor that code hosts give a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def test_a_new_latency_run_replaces_the_old_one() -> None:
+    page = latency.PAGE.read_text(encoding="utf-8")
+    once = latency.replaced(page, latency.measured("median 1.0\n", "abc1234"))
+    twice = latency.replaced(once, latency.measured("median 2.0\n", "abc1234"))
+    assert "median 1.0" in once and "median 1.0" not in twice
+    assert "commit abc1234" in twice
+    outside = [
+        text.partition(latency.BEGIN)[0] + text.partition(latency.END)[2] for text in (page, twice)
+    ]
+    assert outside[0] == outside[1]

@@ -2,9 +2,9 @@
 
     uv run python docs/virtual_kinect.py
 
-Writes SVG text into pictures/virtual-kinect and the table into the page: the sensor's own curves,
-measured on its frames, beside what the paper says. Takes about a minute; the same code gives the
-same bytes.
+Writes SVG files into pictures/virtual-kinect and a table into the page: the sensor's curves, measured
+on its frames, next to the paper's statements. Takes about a minute; the same code gives the same
+bytes.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def plot(path: Path, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """As text that compares line by line."""
+    """Write a figure as SVG text without date or random names."""
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None, "Creator": None})
     plt.close(figure)
@@ -147,7 +147,7 @@ def statements(page: Path) -> None:
 def main() -> None:
     """Draw everything."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    # The same picture from the same numbers: no date, no random names; words stay words.
+    # Same numbers, same bytes: no random names; words stay text.
     mpl.rc("svg", fonttype="none", hashsalt="virtual-kinect")
     mpl.rc("font", size=9)
     statements(PAGE)

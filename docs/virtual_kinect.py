@@ -2,9 +2,9 @@
 
     uv run python docs/virtual_kinect.py
 
-Writes SVG files into pictures/virtual-kinect and a table into the page: the sensor's curves, measured
-on its frames, next to the paper's statements. Takes about a minute; the same code gives the same
-bytes.
+Writes SVG files into pictures/virtual-kinect and a table into the page: the sensor's curves,
+measured on its frames, next to the paper's statements. Takes about a minute; the same code gives
+the same bytes.
 """
 
 from __future__ import annotations

@@ -30,10 +30,10 @@ how to drum:
   keep pressing  bends the toms and the kick, mutes the snare and the hats
 
 examples:
-  halo-drums                                    play what `halo serve` sends to this machine
+  halo-drums                                    use the touches of `halo serve`
   halo-drums --full-screen --display 1          on the projector, pads under your fingers
-  halo-drums --midi fluid                       play a sampler instead, on MIDI channel 10
-  halo-drums --from take.jsonl --render it.wav  a recorded stream as a file of sound
+  halo-drums --midi fluid                       use a sampler instead, on MIDI channel 10
+  halo-drums --from x.jsonl --render x.wav      a recorded stream as a sound file
 """
 
 
@@ -115,10 +115,12 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
     frames = list(halo_client.frames(FileSource(source.path, paced=False)))
     if options.render:
         write_wav(options.render, render(frames, kit, settings))
+        print(f"{NAME}: wrote {options.render}")
     if options.picture:
         player = Player(kit, settings)
         gestures = [gesture for frame in frames for gesture in player.process(frame)]
         write_picture(options.picture, kit, gestures)
+        print(f"{NAME}: wrote {options.picture}")
     return 0
 
 

@@ -54,7 +54,8 @@ def render(
 
 def write_wav(path: Path, sound: NDArray[np.float32]) -> None:
     """Write a WAV file, 16 bits, stereo. Raises `OSError`."""
-    with wave.open(str(path), "wb") as file:
+    # Not wave.open(path): it prints a traceback of its own if the path cannot be opened.
+    with path.open("wb") as raw, wave.open(raw, "wb") as file:
         file.setnchannels(2)
         file.setsampwidth(2)
         file.setframerate(RATE)

@@ -29,15 +29,15 @@ NAME = "halo-paint"
 DESCRIPTION = "Paint on any table: the harder you press, the wider and denser the stroke."
 EPILOG = """\
 how to paint:
-  touch and draw     light for a fine line, hard for a broad one, and all between in one stroke
+  touch and draw     light for a fine line, hard for a broad one
   left edge          colours
   right edge         brush, pen, calligraphy; undo, clear, save
   keys               u undo, c clear, s save (as PNG and SVG), q or Escape ends
 
 examples:
-  halo-paint                                     paint with what `halo serve` sends here
+  halo-paint                                     use the touches of `halo serve`
   halo-paint --full-screen --display 1           on the projector, paint under your finger
-  halo-paint --from take.jsonl --render it.svg   a recorded stream as a picture (.png or .svg)
+  halo-paint --from x.jsonl --render x.svg       a recorded stream as a picture (.png or .svg)
 """
 
 
@@ -165,6 +165,7 @@ def _render(options: argparse.Namespace, painter: Painter) -> int:
     strokes = painted(halo_client.frames(FileSource(source.path, paced=False)), painter)
     for path in options.render:
         save(path, strokes, WIDTH_MM, HEIGHT_MM)
+        print(f"{NAME}: wrote {path}")
     return 0
 
 

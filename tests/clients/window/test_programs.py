@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import socket
@@ -14,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from halo_protocol import Frame, encode_frame
+from halo_protocol import Frame, encode_frame, event_to_json
 
 BIN = Path(sys.executable).parent
 SOUND = {"halo-drums": ("--silent",), "halo-paint": ()}
@@ -152,6 +153,30 @@ def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], messag
     assert process.returncode == 2
     assert message in error
     assert "Traceback" not in error
+
+
+@pytest.mark.parametrize(
+    ("program", "option", "name"),
+    [
+        ("halo-drums", "--render", "it.wav"),
+        ("halo-drums", "--picture", "it.png"),
+        ("halo-paint", "--render", "it.svg"),
+        ("halo-paint", "--render", "it.png"),
+    ],
+)
+def test_a_file_is_written_and_named_and_a_missing_folder_gives_one_sentence(
+    run: Run, program: str, option: str, name: str, wire: Any, tmp_path: Path
+) -> None:
+    frames = [wire.frame(0), wire.frame(1, [wire.finger(pressure=0.5)], downs=(wire.down(),))]
+    stream = tmp_path / "recording.jsonl"
+    stream.write_text("".join(json.dumps(event_to_json(frame)) + "\n" for frame in frames))
+    for path, code in ((tmp_path / name, 0), (tmp_path / "missing" / name, 2)):
+        process = run(program, "--from", str(stream), option, str(path))
+        out, error = process.communicate(timeout=20)
+        assert process.returncode == code, error
+        assert path.exists() == (code == 0)
+        line = out if code == 0 else error
+        assert str(path) in line and line.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,13 @@ def cup(x_mm: float, y_mm: float, radius_mm: float = 41.0, tall_mm: float = 95.0
     return _prism(outline, tall_mm, 0.55, (0.55, 0.35, 0.2))
 
 
+def block(x_mm: float, y_mm: float, width_mm: float, long_mm: float, tall_mm: float) -> Body:
+    """A pale block on the table, from its far left corner on."""
+    outline = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    outline = outline * (width_mm, long_mm) + (x_mm, y_mm)
+    return _prism(outline, tall_mm, 0.6, (0.6, 0.6, 0.6))
+
+
 def wedge(x_mm: float, y_mm: float, yaw_deg: float) -> Body:
     """The printed 45 degree part on which a calibrating finger rests, sharp end at the pad.
 

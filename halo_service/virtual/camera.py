@@ -1,58 +1,139 @@
-"""The virtual device's factory calibration.
+"""The virtual devices and their factory calibrations.
 
-Typical of the device class: the magnitudes are those that public calibrations of Azure Kinects
-show, the numbers are chosen. One device: the same over all seeds, as a user has one camera.
+Typical of each device class: the magnitudes are those that public calibrations show, the numbers
+are chosen. One device of a class: the same over all seeds, as a user has one camera.
 """
 
 from __future__ import annotations
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
 
+from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens, Points
 
 SERIAL = "VIRTUAL-0001"
 DEPTH_MODE = "NFOV_UNBINNED"
 FPS = 30
+NARROW_FX = 504.2
+"""Focal length of the narrow unbinned mode, px: lengths in pixels are measured there."""
 
-# Rational lens model: the numerator and denominator nearly cancel, what is left is a barrel of
-# about 1.5 % at the image's edge.
-_DEPTH = Lens(
-    width=640,
-    height=576,
-    fx=504.2,
-    fy=504.4,
-    cx=322.6,
-    cy=330.1,
-    distortion=(0.52, -0.018, 2.4e-5, -6.8e-5, -0.0024, 0.862, 0.084, -0.0131),
-)
-_COLOUR = Lens(
-    width=1280,
-    height=720,
-    fx=611.3,
-    fy=611.1,
-    cx=638.4,
-    cy=366.2,
-    distortion=(0.31, -2.41, -1.5e-4, -1.2e-4, 1.42, 0.19, -2.23, 1.345),
-)
-BASELINE_MM = 32.0
-"""Colour lens to depth lens, data sheet's drawing."""
-COLOUR_TILT_DEG = 5.0
-"""About what separates the two lenses' axes; public calibrations show 4.9 to 5.2."""
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """What changes with the depth mode besides the lens's cut."""
+
+    field: float
+    """Radius of the illuminated circle in half image heights. Narrow: the corners read nothing (a
+    public recording: about 340 px). Wide: the round field of 120 degrees fills the image (hardware
+    specification)."""
+    signal: float
+    """Infrared of the narrow unbinned mode's: the square of the published operating ranges (3.86,
+    5.46 and 2.88 m)."""
+
+
+MODES = {
+    "NFOV_UNBINNED": Mode(1.18, 1.0),
+    "NFOV_2X2BINNED": Mode(1.18, 2.0),
+    "WFOV_2X2BINNED": Mode(1.0, 0.56),
+}
+"""The three that run at 30 frames a second. Both devices have them: it is the same sensor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """One class of device."""
+
+    serial: str
+    depth: Lens
+    """In the narrow unbinned mode."""
+    colour: Lens
+    """At 720p."""
+    tilt_deg: float
+    """Between the axes of the two lenses."""
+    colour_mm: tuple[float, float, float]
+    """Translation of `colour_from_depth`."""
+    fps: tuple[float, float] = (30.0, 30.0)
+    """Range of the frame rate by host time; a seed draws one."""
+
+
+DEVICES = {
+    # Rational lens model: numerator and denominator nearly cancel, what is left is a barrel.
+    "kinect": Device(
+        SERIAL,
+        depth=Lens(
+            width=640,
+            height=576,
+            fx=NARROW_FX,
+            fy=504.4,
+            cx=322.6,
+            cy=330.1,
+            distortion=(0.52, -0.018, 2.4e-5, -6.8e-5, -0.0024, 0.862, 0.084, -0.0131),
+        ),
+        colour=Lens(
+            width=1280,
+            height=720,
+            fx=611.3,
+            fy=611.1,
+            cx=638.4,
+            cy=366.2,
+            distortion=(0.31, -2.41, -1.5e-4, -1.2e-4, 1.42, 0.19, -2.23, 1.345),
+        ),
+        tilt_deg=5.0,  # public calibrations show 4.9 to 5.2
+        colour_mm=(-32.0, -2.1, 3.9),  # data sheet's drawing
+    ),
+    # Magnitudes of the Bolts in OrbbecSDK #56 and #151; rates: OrbbecSDK #49.
+    "bolt": Device(
+        "VIRTUAL-BOLT-0001",
+        depth=Lens(
+            width=640,
+            height=576,
+            fx=504.9,
+            fy=504.8,
+            cx=331.4,
+            cy=336.2,
+            distortion=(12.4, 6.41, 5.1e-5, -1.9e-5, 0.246, 12.72, 10.62, 1.507),
+        ),
+        colour=Lens(
+            width=1280,
+            height=720,
+            fx=747.6,
+            fy=747.2,
+            cx=635.1,
+            cy=371.8,
+            distortion=(0.0772, -0.109, -4.2e-4, 2.9e-4, 0.0454, 0.0, 0.0, 0.0),
+        ),
+        tilt_deg=6.3,
+        colour_mm=(-32.3, -1.2, 1.8),
+        fps=(30.03, 30.14),
+    ),
+}
 
 
 @functools.cache
-def factory() -> Camera:
-    """The virtual Kinect's calibration."""
-    return Camera(SERIAL, DEPTH_MODE, FPS, _DEPTH, _COLOUR, _colour_from_depth())
+def factory(device: str = "kinect", mode: str = DEPTH_MODE) -> Camera:
+    """The calibration of a virtual device in one of its depth modes."""
+    made = DEVICES[device]
+    colour_from_depth = _colour_from_depth(made)
+    camera = Camera(made.serial, DEPTH_MODE, FPS, made.depth, made.colour, colour_from_depth)
+    if mode == DEPTH_MODE:
+        return camera
+    # The cut of the sensor that the SDK shows in that mode.
+    return k4a.from_json(k4a.to_json(camera), depth_mode=mode, colour_resolution="720P", fps=FPS)
 
 
-def _colour_from_depth() -> Points:
-    tilt = np.radians(COLOUR_TILT_DEG)
+def px_times(lens: Lens) -> float:
+    """Pixels of a lens for one of the narrow unbinned mode."""
+    return lens.fx / NARROW_FX
+
+
+def _colour_from_depth(device: Device) -> Points:
+    tilt = np.radians(device.tilt_deg)
     transform = np.eye(4)
     transform[1:3, 1:3] = [[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]]
-    transform[:3, 3] = (-BASELINE_MM, -2.1, 3.9)
+    transform[:3, 3] = device.colour_mm
     return transform
 
 

@@ -25,7 +25,7 @@ from halo_service.geometry.surface import Surface
 from halo_service.values import BadFrame, Frame, SourceKind
 from halo_service.virtual import worker
 from halo_service.virtual.camera import factory
-from halo_service.virtual.ring import RING_BYTES, Ring
+from halo_service.virtual.ring import Ring, ring_bytes
 from halo_service.virtual.sim_url import SimRequest
 
 START_S = 20.0
@@ -57,11 +57,11 @@ class VirtualKinect:
 
         `truth_path` writes the truth beside, one JSON line a frame and a touch.
         """
-        self.camera = factory()
+        self.camera = factory(request.room.device, request.room.mode)
         self.surface: Surface = request.room.surface()
         self.room = request.room
-        self._memory = SharedMemory(create=True, size=RING_BYTES)
-        self._ring = Ring(self._memory)
+        self._memory = SharedMemory(create=True, size=ring_bytes(self.camera.depth))
+        self._ring = Ring(self._memory, self.camera.depth)
         context = multiprocessing.get_context("spawn")
         self._pipe, far_end = context.Pipe()
         self._process = context.Process(

@@ -29,6 +29,8 @@ class Material:
     """How strongly the grain shows, of the colour."""
     holes: float = 0.0
     """Share of pixels without depth: what mirrors sends little light back."""
+    offset_mm: float = 0.0
+    """How much too far it reads."""
 
 
 MATERIALS = {
@@ -38,6 +40,10 @@ MATERIALS = {
     "plastic": Material(0.85, 0.68, (0.80, 0.80, 0.78), "plain"),
     "foam": Material(0.6, 0.80, (0.90, 0.90, 0.90), "specks", 0.03),
     "wet": Material(0.95, 0.52, (0.30, 0.45, 0.60), "wood", 0.16, holes=0.004),
+    # Red brick reads 10 mm too far, black does so towards the image's edge
+    # (Azure-Kinect-Sensor-SDK #1570). Reflectances and halos are chosen.
+    "brick": Material(0.9, 0.40, (0.22, 0.28, 0.55), "specks", 0.10, offset_mm=10.0),
+    "black": Material(0.8, 0.06, (0.05, 0.05, 0.05), "plain"),
     "mirror": Material(0.0, 0.12, (0.55, 0.55, 0.53), "plain", holes=0.35),
 }
 STUDIED = ("paper", "wood", "suede", "plastic", "foam")

@@ -1,7 +1,7 @@
 """What the electronics add: noise, fixed pattern, drift, and pixels that read nothing.
 
-Rule: images in, images out. Fresh normal numbers for a whole frame cost 20 ms, so they come from
-a pool that is cut at a new random place each time.
+Rule: images in, images out. Fresh random numbers for a whole frame cost 20 ms, so they come from
+pools: larger images that are cut at a new random place, and mirrored, each time.
 """
 
 from __future__ import annotations
@@ -10,9 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.geometry.camera import Lens
+from halo_service.geometry.camera import Camera, Lens
+from halo_service.virtual.camera import MODES, px_times
 from halo_service.virtual.depth_image import Ideal
 from halo_service.virtual.room import Room
+from halo_service.virtual.sensor_model import SensorModel
 
 Image = NDArray[np.float32]
 
@@ -28,38 +30,58 @@ PATTERN_MM = 0.5
 (below 11 mm + 0.1 % of the distance)."""
 WAVE_MM = 1.2
 """Fixed bias that changes slowly over the image; chosen likewise."""
-DRIFT_MM, DRIFT_S = 2.0, 600.0
-"""How much nearer everything reads when cold, and how it passes; chosen: published warm-ups of
-the device move by about 2 mm within the first tens of minutes."""
+DRIFT_MM = 2.0
+"""How much nearer everything reads when cold; chosen: published warm-ups of the device move by
+about 2 mm."""
 IR_NOISE, IR_FLOOR = 0.035, 4.0
 """Of the brightness, and counts; a real desk shows about 5 % with its texture."""
 TOO_DARK = 12.0
 """Below this many counts the device gives no depth; chosen."""
-FIELD = 1.18
-"""Radius of the illuminated circle in half image heights: the corners of the narrow field of
-view read nothing (a public recording: about 340 px)."""
 GRAIN = 2.0
 """Noise of the colour image, grey levels; chosen."""
-_POOL = 1 << 21
+_SPARE = 400
+"""How much larger a pool is than an image, px: so many places to cut it at, each way."""
+_COLOUR_ROWS, _COLOUR_COLUMNS = 720, 1280
+_SLOW_PX = 64
+"""Size of the slow noise's waves, px; chosen: no trend is left over 24 px, and a plane takes most
+of them out of a window of 72 px, as on the real recording."""
+
+
+class Pool:
+    """Random numbers, larger than an image."""
+
+    def __init__(self, numbers: Image, shape: tuple[int, int]) -> None:
+        self._numbers, self._shape = numbers, shape
+
+    def draw(self, rng: np.random.Generator, shape: tuple[int, int] | None = None) -> Image:
+        """A view of as many numbers as an image has, or as `shape` says (rows, columns)."""
+        rows, columns = shape or self._shape
+        y = int(rng.integers(0, 1 + self._numbers.shape[0] - rows))
+        x = int(rng.integers(0, 1 + self._numbers.shape[1] - columns))
+        cut = self._numbers[y : y + rows, x : x + columns]
+        mirrored = int(rng.integers(0, 4))
+        return cut[:: 1 - 2 * (mirrored & 1), :: 1 - (mirrored & 2)]
 
 
 class Electronics:
     """The noise of one device in one room."""
 
-    def __init__(self, room: Room, lens: Lens) -> None:
-        self._times = room.noise
-        pool = np.random.default_rng([room.seed, 1])
-        self._pool = pool.standard_normal(_POOL, np.float32)
-        # The device is the same over all seeds: so is its fixed pattern.
-        device = np.random.default_rng(0)
+    def __init__(self, room: Room, camera: Camera) -> None:
+        lens, model = camera.depth, room.sensor
+        self._times, self._model = np.float32(room.noise), model
         shape = lens.height, lens.width
-        wave = cv2.resize(
-            device.normal(0.0, WAVE_MM, (5, 6)).astype(np.float32),
-            (lens.width, lens.height),
-            interpolation=cv2.INTER_CUBIC,
-        )
-        self._pattern = wave + device.normal(0.0, PATTERN_MM, shape).astype(np.float32)
-        self._dark = _corners(lens)
+        size = shape[0] + _SPARE, shape[1] + _SPARE
+        rng = np.random.default_rng([room.seed, 1])
+        # The colour image draws from it too, and is larger.
+        white = rng.standard_normal((_COLOUR_ROWS + _SPARE, _COLOUR_COLUMNS + _SPARE), np.float32)
+        self._white = Pool(white, shape)
+        self._correlated = Pool(_boxed(white, model.noise_box_px), shape)
+        self._slow = Pool(_waves(rng, size), shape)
+        self._chance = Pool(rng.random(size, np.float32), shape)
+        dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
+        self._too_dark = Pool(dark.astype(np.float32), shape)
+        self._pattern = _fixed_pattern(lens)
+        self._flicker = _flicker(lens, MODES[camera.depth_mode].field, model)
         self._holes = room.surface_material.holes
 
     def depth(self, seen: Ideal, age_s: float, rng: np.random.Generator) -> NDArray[np.uint16]:
@@ -67,42 +89,68 @@ class Electronics:
         ideal, infrared = seen.depth, seen.infrared
         bright = np.maximum(infrared, np.float32(1.0))
         sigma = np.sqrt(np.float32(PHOTON_MM**2 * PHOTON_IR) / bright + np.float32(FLOOR_MM**2))
-        sigma *= np.float32(self._times)
-        sigma *= self._draw(ideal.shape, rng)
-        drift = -DRIFT_MM * float(np.exp(-max(age_s, 0.0) / DRIFT_S))
+        sigma *= self._times
+        sigma *= self._correlated.draw(rng)
+        if self._model.slow_noise_mm:
+            sign = np.float32(rng.choice((-1.0, 1.0)) * self._model.slow_noise_mm)
+            sigma += self._slow.draw(rng) * (sign * self._times)
+        drift = -DRIFT_MM * float(np.exp(-max(age_s, 0.0) / self._model.warm_up_s))
         sigma += np.float32(drift + 0.5)  # 0.5: the cast below cuts, this rounds
         sigma += self._pattern
         sigma += ideal
         read: NDArray[np.uint16] = sigma.astype(np.uint16)
-        read[self._dark | (infrared < TOO_DARK)] = 0
+        chance = self._chance.draw(rng)
+        read[(chance < self._flicker) | (infrared < self._too_dark.draw(rng))] = 0
         if self._holes:
-            holes = rng.random(ideal.shape, np.float32) < self._holes
-            read[holes & (seen.covered == 0)] = 0
+            read[(chance < self._holes) & (seen.covered == 0)] = 0
         return read
 
     def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16 counts, 65535 where it saturates."""
-        read = (ideal * np.float32(IR_NOISE) + np.float32(IR_FLOOR)) * self._draw(ideal.shape, rng)
+        read = (ideal * np.float32(IR_NOISE) + np.float32(IR_FLOOR)) * self._white.draw(rng)
         read += ideal
         return np.clip(read, 0.0, 65535.0).astype(np.uint16)
 
     def grain(self, image: NDArray[np.uint8], rng: np.random.Generator) -> None:
         """Add noise to a colour image, in place."""
-        noise = self._draw((image.shape[0], image.shape[1]), rng)
-        step = (noise * (GRAIN * self._times)).astype(np.int8)
+        noise = self._white.draw(rng, (image.shape[0], image.shape[1]))
+        step = (noise * np.float32(GRAIN * self._times)).astype(np.int8)
         up, down = np.maximum(step, 0).astype(np.uint8), np.maximum(-step, 0).astype(np.uint8)
         cv2.add(image, cv2.merge([up, up, up]), dst=image)
         cv2.subtract(image, cv2.merge([down, down, down]), dst=image)
 
-    def _draw(self, shape: tuple[int, ...], rng: np.random.Generator) -> Image:
-        count = int(np.prod(shape))
-        start = int(rng.integers(0, _POOL - count))
-        cut = self._pool[start : start + count].reshape(shape)
-        return cut if rng.random() < 0.5 else cut[::-1, ::-1]
+
+def _boxed(white: Image, box_px: int) -> Image:
+    """White noise through a box, of the same deviation."""
+    if box_px == 1:
+        return white
+    smooth = cv2.blur(white, (box_px, box_px), borderType=cv2.BORDER_REFLECT)
+    return np.asarray(smooth * np.float32(box_px), dtype=np.float32)
 
 
-def _corners(lens: Lens) -> NDArray[np.bool_]:
-    """(H, W) what the illuminator does not reach."""
+def _waves(rng: np.random.Generator, shape: tuple[int, int]) -> Image:
+    """Smooth noise of deviation 1."""
+    rows, columns = shape
+    coarse = rng.standard_normal((rows // _SLOW_PX + 2, columns // _SLOW_PX + 2), np.float32)
+    smooth = cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC)
+    return np.asarray(smooth / smooth.std(), dtype=np.float32)
+
+
+def _fixed_pattern(lens: Lens) -> Image:
+    """The device is the same over all seeds: so is its fixed pattern."""
+    device = np.random.default_rng(0)
+    coarse = device.normal(0.0, WAVE_MM, (5, 6)).astype(np.float32)
+    wave = cv2.resize(coarse, (lens.width, lens.height), interpolation=cv2.INTER_CUBIC)
+    pixels = device.normal(0.0, PATTERN_MM, (lens.height, lens.width))
+    return np.asarray(wave + pixels, dtype=np.float32)
+
+
+def _flicker(lens: Lens, field: float, model: SensorModel) -> Image:
+    """(H, W) chance that a pixel reads 0 in a frame; 1 where the illuminator does not reach."""
     rows, columns = np.mgrid[: lens.height, : lens.width]
-    away = np.hypot(rows - lens.cy, columns - lens.cx)
-    return np.asarray(away > FIELD * lens.height / 2.0, dtype=np.bool_)
+    beyond = np.hypot(rows - lens.cy, columns - lens.cx) - field * lens.height / 2.0
+    soft_px = model.rim_flicker_px * px_times(lens)
+    if soft_px == 0.0:
+        return np.asarray(beyond > 0.0, dtype=np.float32)
+    rim = 1.0 / (1.0 + np.exp(np.clip(-beyond / soft_px, -50.0, 50.0)))
+    return np.asarray(model.flicker + (1.0 - model.flicker) * rim, dtype=np.float32)

@@ -10,13 +10,12 @@ from halo_service.errors import UserError
 from halo_service.values import Frame
 from halo_service.virtual import truth
 from halo_service.virtual.camera import FPS
+from halo_service.virtual.clock import clock_of
 from halo_service.virtual.scenarios import ENDING, start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
 
-START_US = 500_000
-"""Timestamp of the first frame: a device's clock does not start at 0."""
-JITTER_US = 700.0
+JITTER_S = 0.0007
 """Of the timestamps, one sigma; chosen."""
 LONGEST_S = 600.0
 """A scenario that should end by itself has by then."""
@@ -49,7 +48,8 @@ class Take:
         self._room = request.room
         self._scenario = start_scenario(request.scenario, request.room)
         times = colour_times if colour else 0
-        self._sensor = Sensor(request.room, colour_times=times, started_us=START_US)
+        self.clock = clock_of(request.room, request.scenario)
+        self._sensor = Sensor(request.room, colour_times=times, started_us=self.clock.start_us)
         self.camera, self.surface = self._sensor.camera, self._sensor.surface
 
     def __iter__(self) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
@@ -60,17 +60,18 @@ class Take:
         """
         rng = np.random.default_rng([self._room.seed, 3])
         for index in range(self.expected_frames or round(LONGEST_S * FPS)):
-            late = abs(rng.normal(0.0, JITTER_US)) if index else 0.0
+            late_s = abs(rng.normal(0.0, JITTER_S)) if index else 0.0
             dropped = index > 0 and rng.random() < self._room.drop
-            yield self._capture(START_US + round((index * 1e6 / FPS + late) / 1e3) * 1000, dropped)
+            exposed_us = self.clock.device_us(self.clock.exposed_s(index) + late_s)
+            yield self._capture(round(exposed_us / 1e3) * 1000, dropped or self.clock.skips(index))
             if self.expected_frames is None and self._scenario.finished:
                 return
 
     def _capture(self, time_us: int, dropped: bool) -> tuple[Frame | None, list[truth.Line]]:
-        t_s = (time_us - START_US) / 1e6
+        t_s = self.clock.host_s(time_us)
         snapshot = self._scenario.at(t_s)
         lines = [
-            truth.contact_line(contact, self.surface, START_US)
+            truth.contact_line(contact, self.surface, self.clock.device_us)
             for contact in self._scenario.ended_contacts(t_s)
         ]
         if dropped:
@@ -79,8 +80,8 @@ class Take:
         return self._sensor.frame(time_us, snapshot.hands, snapshot.things), lines
 
     def script(self) -> list[truth.Line]:
-        """The steps played so far, in seconds from the first frame."""
-        return [truth.step_line(step) for step in self._scenario.steps]
+        """The steps so far, in seconds from the first frame."""
+        return [truth.step_line(step, self.clock.frame_s) for step in self._scenario.steps]
 
 
 def frames(

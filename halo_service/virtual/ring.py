@@ -11,35 +11,44 @@ from multiprocessing.shared_memory import SharedMemory
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.geometry.camera import Lens
 from halo_service.values import Frame
-from halo_service.virtual.camera import factory
 
 SLOTS = 3
-_DEPTH = factory().depth.height, factory().depth.width
 _COLOUR = 720, 1280, 3
-_IMAGE = _DEPTH[0] * _DEPTH[1] * 2
-_SLOT = 2 * _IMAGE + int(np.prod(_COLOUR))
 _HEAD = 64 * (SLOTS + 1)
-RING_BYTES = _HEAD + SLOTS * _SLOT
+
+
+def ring_bytes(lens: Lens) -> int:
+    """Size of the memory for frames of this depth lens."""
+    return _HEAD + SLOTS * _slot_bytes(lens)
+
+
+def _slot_bytes(lens: Lens) -> int:
+    return 4 * lens.height * lens.width + int(np.prod(_COLOUR))
 
 
 class Ring:
     """A view of the memory; numbers count from 1, 0 is "nothing yet"."""
 
-    def __init__(self, shared: SharedMemory) -> None:
+    def __init__(self, shared: SharedMemory, lens: Lens) -> None:
+        """`lens`: of the depth images."""
         memory = shared.buf
         assert memory is not None  # it is only once the memory has been closed
         self._head: NDArray[np.int64] | None = np.ndarray((SLOTS + 1, 8), np.int64, memory)
-        self._slots = [self._views(memory, _HEAD + slot * _SLOT) for slot in range(SLOTS)]
+        starts = [_HEAD + slot * _slot_bytes(lens) for slot in range(SLOTS)]
+        self._slots = [self._views(memory, start, lens) for start in starts]
 
     @staticmethod
     def _views(
-        memory: memoryview, at: int
+        memory: memoryview, at: int, lens: Lens
     ) -> tuple[NDArray[np.uint16], NDArray[np.uint16], NDArray[np.uint8]]:
+        shape = lens.height, lens.width
+        image = 2 * lens.height * lens.width
         return (
-            np.ndarray(_DEPTH, np.uint16, memory, at),
-            np.ndarray(_DEPTH, np.uint16, memory, at + _IMAGE),
-            np.ndarray(_COLOUR, np.uint8, memory, at + 2 * _IMAGE),
+            np.ndarray(shape, np.uint16, memory, at),
+            np.ndarray(shape, np.uint16, memory, at + image),
+            np.ndarray(_COLOUR, np.uint8, memory, at + 2 * image),
         )
 
     def write(self, number: int, frame: Frame) -> None:

@@ -19,6 +19,7 @@ from halo_service.errors import UserError
 from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
 from halo_service.values import Side
+from halo_service.virtual.camera import DEPTH_MODE, DEVICES, MODES
 from halo_service.virtual.halo import FAMILIES, HaloCurve
 from halo_service.virtual.materials import MATERIALS, STUDIED, Material
 from halo_service.virtual.projector import Projector
@@ -66,6 +67,10 @@ class Room:
     """The label file of the scenario `labels`."""
     sensor: SensorModel = KIND
     """The depth sensor's errors."""
+    device: str = "kinect"
+    """Of `camera.DEVICES`."""
+    mode: str = DEPTH_MODE
+    """Of `camera.MODES`."""
 
     @property
     def surface_material(self) -> Material:
@@ -192,6 +197,11 @@ LIMITS = {
     "user.skin_offset_mm": (0.0, 30.0),
     "user.nail_mm": (0.0, 20.0),
     "user.curl": (0.0, 1.0),
+    "sensor.stray_light": (0.0, 5.0),
+    "sensor.illuminator_mm": (0.0, 50.0),
+    "sensor.exposure_ms": (0.0, 33.0),
+    "sensor.clock_drift_ppm": (-1000.0, 1000.0),
+    "sensor.slow_s_per_minute": (0.0, 60.0),
     "curve.onset_mm": (5.0, 40.0),
     "curve.gain": (0.0, 3.0),
     "curve.press_g": (20.0, 2000.0),
@@ -204,6 +214,8 @@ def check(room: Room) -> Room:
     _check_names("material", [room.material], MATERIALS)
     _check_names("halo family", [room.curve.family], FAMILIES)
     _check_names("object", room.props, PROPS)
+    _check_names("device", [room.device], DEVICES)
+    _check_names("depth mode", [room.mode], MODES)
     for name, (low, high) in LIMITS.items():
         part, _, field_name = name.rpartition(".")
         value = getattr(getattr(room, part) if part else room, field_name)

@@ -5,7 +5,7 @@ Rule: for the evaluation and the recorder's truth file only; no frame contains i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,14 +53,14 @@ def _finger(surface: Surface, hand: PosedHand, finger: Finger) -> Line:
     }
 
 
-def contact_line(contact: Contact, surface: Surface, start_us: int) -> Line:
-    """The truth of one touch, on the clock of the frames; `start_us` is time 0 of the scenario."""
+def contact_line(contact: Contact, surface: Surface, frame_us: Callable[[float], int]) -> Line:
+    """The truth of one touch; `frame_us` maps seconds of the scenario to the frames' clock."""
     place = surface.to_camera(np.array([[contact.x_mm, contact.y_mm, 0.0]]))[0]
     line: Line = {
         "hand": side_name(contact.side),
         "finger": contact.finger.name.lower(),
-        "from_us": start_us + round(contact.from_s * 1e6),
-        "to_us": start_us + round(contact.to_s * 1e6),
+        "from_us": frame_us(contact.from_s),
+        "to_us": frame_us(contact.to_s),
         "camera_mm": _rounded(place),
         "strike_mm_s": round(contact.strike_mm_s, 1),
         "peak_force_g": round(contact.peak_force_g, 1),
@@ -72,9 +72,9 @@ def contact_line(contact: Contact, surface: Surface, start_us: int) -> Line:
     return {"contact": line}
 
 
-def step_line(step: Step) -> Line:
-    """One step of a script."""
-    times = {"from_s": round(step.from_s, 3), "to_s": round(step.to_s, 3)}
+def step_line(step: Step, frame_s: Callable[[float], float]) -> Line:
+    """One step of a script; `frame_s` maps seconds of the scenario to those of the frames."""
+    times = {"from_s": round(frame_s(step.from_s), 3), "to_s": round(frame_s(step.to_s), 3)}
     return {"step": step.name, **times, **step.fields}
 
 

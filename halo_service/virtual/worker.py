@@ -24,7 +24,8 @@ import numpy as np
 
 from halo_service.errors import UserError
 from halo_service.virtual import truth
-from halo_service.virtual.camera import FPS
+from halo_service.virtual.camera import factory
+from halo_service.virtual.clock import clock_of
 from halo_service.virtual.ring import Ring
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
@@ -49,7 +50,8 @@ def run(
         signal.signal(number, signal.SIG_IGN)
     cv2.setNumThreads(1)
     memory = SharedMemory(memory_name)
-    ring = Ring(memory)
+    camera = factory(request.room.device, request.room.mode)
+    ring = Ring(memory, camera.depth)
     try:
         with Path(truth_path).open("w") if truth_path else nullcontext() as log:
             _Camera(pipe, ring, request, colour, log).run()
@@ -89,6 +91,8 @@ class _Camera:
         # Once for nothing, so that what is built at first use does not hold up a frame.
         snapshot = self._scenario.at(0.0)
         self._sensor.frame(switched_on_us, snapshot.hands, snapshot.things)
+        # Live, frames carry Unix time: drift and start of the device's clock are mapped already.
+        self._clock = clock_of(request.room, request.scenario)
         self._start_us = round(time.time() * 1e6)
         self._number = 0
         self._asked: int | None = None
@@ -99,20 +103,25 @@ class _Camera:
         index = -1
         while True:
             elapsed_s = time.time() - self._start_us / 1e6
-            index = max(index + 1, int(elapsed_s * FPS))  # late: leave frames out, never catch up
-            late_s = abs(self._rng.normal(0.0, JITTER_S))
-            self._expose(self._start_us + round((index / FPS + late_s) * 1e6))
+            # Late: leave frames out, never catch up.
+            index = max(index + 1, int(elapsed_s * self._clock.fps))
+            due_s = self._clock.exposed_s(index) + abs(self._rng.normal(0.0, JITTER_S))
+            lost = self._clock.skips(index) or self._rng.random() < self._drop
+            self._expose(self._start_us + round(due_s * 1e6), lost)
 
-    def _expose(self, time_us: int) -> None:
+    def _unix_us(self, t_s: float) -> int:
+        return self._start_us + round(t_s * 1e6)
+
+    def _expose(self, time_us: int, lost: bool) -> None:
         self._serve_until(time_us / 1e6)
         t_s = (time_us - self._start_us) / 1e6
         snapshot = self._scenario.at(t_s)
         surface = self._sensor.surface
         lines = [
-            truth.contact_line(contact, surface, self._start_us)
+            truth.contact_line(contact, surface, self._unix_us)
             for contact in self._scenario.ended_contacts(t_s)
         ]
-        if self._rng.random() >= self._drop:
+        if not lost:
             frame = self._sensor.frame(time_us, snapshot.hands, snapshot.things)
             self._number += 1
             self._ring.write(self._number, frame)

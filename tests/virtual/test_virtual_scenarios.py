@@ -326,6 +326,6 @@ def test_a_line_of_truth_has_the_documented_fields():
             assert finger["touching"] == (finger["force_g"] > 0.0)
             assert not finger["touching"] or finger["height_mm"] == 0.0
     (first, *_) = scenario.ended_contacts(6.0)
-    line = truth.contact_line(first, surface, 500_000)["contact"]
+    line = truth.contact_line(first, surface, lambda s: 500_000 + round(s * 1e6))["contact"]
     assert line["from_us"] == 500_000 + round(first.from_s * 1e6)
     assert {"hand", "finger", "to_us", "camera_mm", "strike_mm_s", "peak_force_g"} <= set(line)

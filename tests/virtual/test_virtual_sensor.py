@@ -9,10 +9,11 @@ import pytest
 from halo_service.errors import UserError
 from halo_service.values import Finger, Frame, Side
 from halo_service.virtual.bodies import cup
+from halo_service.virtual.clock import START_US
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.noise import DRIFT_MM
-from halo_service.virtual.offline import START_US, Take, frames
+from halo_service.virtual.offline import Take, frames
 from halo_service.virtual.pictures import show
 from halo_service.virtual.room import Room, draw_room
 from halo_service.virtual.sensor import Sensor

@@ -1,0 +1,74 @@
+"""The device's clock and pace: when a frame is exposed, and what its timestamp says.
+
+Rule: pure; host time is seconds from the first frame.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from halo_service.virtual.camera import DEVICES
+from halo_service.virtual.room import Room
+
+START_US = 500_000
+"""Timestamp of a Kinect's first frame: a device's clock does not start at 0."""
+MINUTE_S = 60.0
+UPTIME_S = 60.0, 3600.0
+UNIX_S = 1.6e9, 1.75e9
+"""A Bolt's first timestamp: minutes, or years as Unix time (OrbbecSDK-K4A-Wrapper #94)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """One start of one device."""
+
+    fps: float
+    """Frames a second of host time."""
+    start_us: int = START_US
+    """Timestamp of the first frame."""
+    drift_ppm: float = 0.0
+    """How much faster it runs than the host's."""
+    slow_s: float = 0.0
+    """For so long in each minute only every other frame arrives."""
+    slow_from_s: float = 0.0
+    """Where in a minute that begins."""
+
+    def exposed_s(self, index: int) -> float:
+        """Host time at which a frame is due."""
+        return index / self.fps
+
+    def device_us(self, host_s: float) -> int:
+        """The timestamp of a moment of host time."""
+        return self.start_us + round(host_s * (1e6 + self.drift_ppm))
+
+    def host_s(self, device_us: int) -> float:
+        """The moment of a timestamp."""
+        return (device_us - self.start_us) / (1e6 + self.drift_ppm)
+
+    def frame_s(self, host_s: float) -> float:
+        """Seconds since the first frame, by the timestamps."""
+        return host_s * (1.0 + self.drift_ppm / 1e6)
+
+    def skips(self, index: int) -> bool:
+        """Whether a frame is lost because the rate has dropped; never the first."""
+        if index % 2 == 0:
+            return False
+        return (self.exposed_s(index) - self.slow_from_s) % MINUTE_S < self.slow_s
+
+
+def clock_of(room: Room, scenario: str) -> Clock:
+    """The clock of the room's device in one scenario: each start draws another."""
+    rng = np.random.default_rng([room.seed, zlib.crc32(b"clock"), zlib.crc32(scenario.encode())])
+    fps = float(rng.uniform(*DEVICES[room.device].fps))
+    start_s = rng.uniform(*(UNIX_S if rng.random() < 0.5 else UPTIME_S))
+    return Clock(
+        fps,
+        # Whole milliseconds, as recordings have them.
+        START_US if room.device == "kinect" else round(start_s * 1e3) * 1000,
+        room.sensor.clock_drift_ppm,
+        room.sensor.slow_s_per_minute,
+        float(rng.uniform(0.0, MINUTE_S)),
+    )

@@ -1,4 +1,4 @@
-"""What all tests share: strangers' programs are used where installed; in CI none may be missing."""
+"""Fixtures of all tests. External programs are optional on a desk and required in CI."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-# Started in the background by a script, Ctrl-C is ignored, and so it would be by whatever the
-# tests start; they ask how a program ends on Ctrl-C.
+# A process started in the background by a script ignores Ctrl-C, and so do its children. Some tests
+# check how a program ends on Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 pytest_plugins = ["tests.drawn", "tests.clients.streams"]
@@ -21,22 +21,22 @@ REPOSITORY = Path(__file__).parents[1]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files that hold slow tests: the other core waits for what comes last."""
+    """Run files with slow tests first, so that both cores finish at about the same time."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: item.path not in slow)
 
 
 @pytest.fixture(scope="session", autouse=True)
 def no_profiles_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Keep the user's own profiles and base models out of the tests, and theirs out of his."""
+    """Use a temporary data folder, so that tests and user do not share profiles."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
         yield
 
 
 @pytest.fixture(scope="session")
-def stranger() -> Callable[[str], str]:
-    """Return the path of somebody else's program; skip by name where it is not installed."""
+def external_program() -> Callable[[str], str]:
+    """Return the path of an external program; skip the test if it is not installed."""
 
     def find(program: str) -> str:
         path = shutil.which(program)
@@ -51,7 +51,7 @@ def stranger() -> Callable[[str], str]:
 
 @pytest.fixture(scope="session")
 def free_port() -> Callable[[], int]:
-    """Return a port that nobody has."""
+    """Return a free port."""
 
     def find() -> int:
         with socket.socket() as probe:
@@ -63,7 +63,7 @@ def free_port() -> Callable[[], int]:
 
 @pytest.fixture(scope="session")
 def company_data() -> Path:
-    """Return the folder of recordings that nobody here made; skip where it is absent."""
+    """Return the folder with recordings of real devices; skip the test if it is absent."""
     folder = REPOSITORY.parent / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(f"{folder} is not here")

@@ -1,4 +1,4 @@
-"""`halo serve`, driven as a user drives it, heard by strangers."""
+"""`halo serve`, started as a user starts it, received by external programs."""
 
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ def lines_until(
 
 @pytest.mark.slow
 def test_a_real_recording_reaches_oscdump_and_a_zenoh_subscriber(
-    stranger: Callable[[str], str],
+    external_program: Callable[[str], str],
     company_data: Path,
     serve: Spawn,
     spawn: Spawn,
     free_port: Callable[[], int],
 ) -> None:
     osc, zenoh = free_port(), f"tcp/127.0.0.1:{free_port()}"
-    dump = spawn(stranger("stdbuf"), "-oL", stranger("oscdump"), str(osc))
+    dump = spawn(external_program("stdbuf"), "-oL", external_program("oscdump"), str(osc))
     serve(
         "--source", f"recording:{company_data / 'azure_kinect_desk.mkv'}", "--loop",
         "--osc", f"127.0.0.1:{osc}", "--zenoh-listen", zenoh, "--node", "desk",
@@ -109,10 +109,10 @@ def test_a_hand_model_that_is_not_there_is_told_before_the_service_runs(
 
 @pytest.mark.slow
 def test_without_a_camera_hover_touch_and_pressure_reach_oscdump(
-    stranger: Callable[[str], str], serve: Spawn, spawn: Spawn, free_port: Callable[[], int]
+    external_program: Callable[[str], str], serve: Spawn, spawn: Spawn, free_port: Callable[[], int]
 ) -> None:
     osc = free_port()
-    dump = spawn(stranger("stdbuf"), "-oL", stranger("oscdump"), str(osc))
+    dump = spawn(external_program("stdbuf"), "-oL", external_program("oscdump"), str(osc))
     service = serve("--osc", f"127.0.0.1:{osc}", "--no-zenoh")
     pointers: list[list[str]] = []
 

@@ -1,4 +1,4 @@
-"""A virtual recording, read by a stranger: Debian's ffmpeg gets the frames that were drawn."""
+"""A virtual recording, read by ffmpeg: it gets the rendered frames."""
 
 import subprocess
 
@@ -10,8 +10,8 @@ from halo_service.virtual.offline import Take
 from halo_service.virtual.sim_url import parse_sim_url
 
 
-def test_ffmpeg_reads_equal_frames(stranger, tmp_path):
-    ffmpeg = stranger("ffmpeg")
+def test_ffmpeg_reads_equal_frames(external_program, tmp_path):
+    ffmpeg = external_program("ffmpeg")
     path = tmp_path / "demo.mkv"
     take = Take(parse_sim_url("sim:demo?seed=2"), 0.4)
     drawn = []

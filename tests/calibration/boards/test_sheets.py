@@ -36,9 +36,9 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def printed(folder, stranger):
-    """Every file as a stranger's program prints it."""
-    program = stranger("pdftoppm")
+def printed(folder, external_program):
+    """Every file as pdftoppm prints it."""
+    program = external_program("pdftoppm")
     pictures = {}
     for name, paper in FILES:
         out = folder / f"{name}-{paper}"

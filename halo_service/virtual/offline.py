@@ -35,8 +35,12 @@ class Take:
         *,
         colour: bool = True,
         colour_times: int = 1,
+        start_s: float = 0.0,
     ) -> None:
-        """`colour_times`: see `Sensor`; 2 is what a live virtual Kinect shows."""
+        """`colour_times`: see `Sensor`; 2 is what a live virtual Kinect shows.
+
+        `start_s`: frames before it are neither rendered nor returned.
+        """
         if seconds is None and request.scenario not in ENDING:
             raise UserError(
                 f"The scenario {request.scenario!r} never ends by itself; give its length in s."
@@ -45,6 +49,7 @@ class Take:
             raise UserError(f"A recording cannot be {seconds:g} s long; give more than 0.")
         self.expected_frames: int | None = None if seconds is None else round(seconds * FPS)
         """None where the scenario itself decides."""
+        self._first = round(start_s * FPS)
         self._room = request.room
         self._scenario = start_scenario(request.scenario, request.room)
         times = colour_times if colour else 0
@@ -62,6 +67,8 @@ class Take:
         for index in range(self.expected_frames or round(LONGEST_S * FPS)):
             late_s = abs(rng.normal(0.0, JITTER_S)) if index else 0.0
             dropped = index > 0 and rng.random() < self._room.drop
+            if index < self._first:
+                continue
             exposed_us = self.clock.device_us(self.clock.exposed_s(index) + late_s)
             yield self._capture(round(exposed_us / 1e3) * 1000, dropped or self.clock.skips(index))
             if self.expected_frames is None and self._scenario.finished:

@@ -13,6 +13,8 @@ from halo_protocol import Down, Pointer, TouchFrame, Up
 
 LEFT, RIGHT = 1, 2
 HOVER, TOUCH = 0, 1
+EMPTY_S = 2.5
+"""A virtual session starts with 3 s of empty table, which the tests do not need."""
 
 
 def finger(
@@ -115,7 +117,8 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
         if name not in sessions:
             request, truth = parse_sim_url(name), []
             profile = virtual_profile(request.room, Settings())
-            source = TakeSource(Take(request, seconds, colour=False), truth)
+            take = Take(request, seconds, colour=False, start_s=EMPTY_S)
+            source = TakeSource(take, truth)
             detector = HandDetector(source.camera, profile, Settings().tracking)
             try:
                 state = OURS.start(profile, Settings().sensing)

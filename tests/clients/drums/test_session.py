@@ -22,7 +22,7 @@ from halo_drums.voices import RATE
 from halo_protocol import Assembler, TouchFrame
 from halo_service.outputs.frame_encoder import FrameEncoder
 
-SECONDS = 7.0
+SECONDS = 7.5
 SESSIONS = ("sim:drumming?seed=4", "sim:drumming?seed=5")
 """The onset detector was tuned on seed 3, and is tested on other seeds."""
 STEP_MM = 5.0

@@ -56,48 +56,60 @@ def read_line(process: subprocess.Popen[str], word: str, seconds: float = 20.0) 
     pytest.fail(f"no line with {word!r}")
 
 
-@pytest.mark.parametrize("program", SOUND)
-def test_it_waits_for_a_service_and_ctrl_c_ends_it_cleanly(
-    run: Run, program: str, udp_port: int, sender: Callable[[int, str], Any]
+@pytest.fixture
+def both(run: Run) -> list[tuple[subprocess.Popen[str], int]]:
+    """Both clients, each with its own port; they start at the same time."""
+    ports = [_free_port() for _ in SOUND]
+    return [
+        (run(program, *options, "--from", f"osc://127.0.0.1:{port}"), port)
+        for (program, options), port in zip(SOUND.items(), ports, strict=True)
+    ]
+
+
+def test_they_wait_for_a_service_and_ctrl_c_ends_them_cleanly(
+    both: list[tuple[subprocess.Popen[str], int]], sender: Callable[[int, str], Any]
 ) -> None:
-    process = run(program, *SOUND[program], "--from", f"osc://127.0.0.1:{udp_port}")
-    assert "is `halo serve` running" in read_line(process, "waiting")
-    sender(udp_port, "s1")
-    read_line(process, "frames come")
-    read_line(process, "waiting")
-    sender(udp_port, "s2")
-    read_line(process, "frames come")
-    process.send_signal(signal.SIGINT)
-    _, rest = process.communicate(timeout=10)
-    assert process.returncode == 0
-    assert "Traceback" not in rest
+    for session in ("s1", "s2"):
+        for process, _ in both:
+            assert "is `halo serve` running" in read_line(process, "waiting")
+        for process, port in both:
+            sender(port, session)
+            read_line(process, "frames come")
+    for process, _ in both:
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=10)
+        assert process.returncode == 0
+        assert "Traceback" not in rest
 
 
-@pytest.mark.parametrize("program", SOUND)
 def test_a_service_of_another_major_version_gives_one_sentence(
-    run: Run, program: str, udp_port: int, wire: Any
+    both: list[tuple[subprocess.Popen[str], int]], wire: Any
 ) -> None:
-    process = run(program, *SOUND[program], "--from", f"osc://127.0.0.1:{udp_port}")
-    read_line(process, "waiting")
     header = Frame("desk", "s1", 1, 1000, 0, 1)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-        for datagram in encode_frame("table", header, [wire.finger()], [], []):
-            foreign = datagram.replace(b"/halo/1/", b"/halo/2/")
-            assert foreign != datagram
-            out.sendto(foreign, ("127.0.0.1", udp_port))
-    line = read_line(process, "speaks protocol 2")
-    assert "this program speaks 1: install matching versions of both" in line
-    process.send_signal(signal.SIGINT)
-    _, rest = process.communicate(timeout=10)
-    assert process.returncode == 0
-    assert rest == ""
+    for process, port in both:
+        read_line(process, "waiting")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            for datagram in encode_frame("table", header, [wire.finger()], [], []):
+                foreign = datagram.replace(b"/halo/1/", b"/halo/2/")
+                assert foreign != datagram
+                out.sendto(foreign, ("127.0.0.1", port))
+        line = read_line(process, "speaks protocol 2")
+        assert "this program speaks 1: install matching versions of both" in line
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=10)
+        assert process.returncode == 0
+        assert rest == ""
+
+
+def _free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 @pytest.fixture
 def udp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return _free_port()
 
 
 @pytest.fixture

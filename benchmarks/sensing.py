@@ -1,6 +1,6 @@
 """What sensing a frame costs by its fingers: `python benchmarks/sensing.py FOLDER`.
 
-FOLDER holds one person's takes, as `halo evaluate --keep` leaves them: `pointing` shows one finger,
+FOLDER holds one user's recordings, from `halo evaluate --cache`: `pointing` shows one finger,
 `ten-fingers` two or, where every finger is a pointer, ten. Printed is the CPU time of a frame, and
 how many full-frame differences to the background the same machine makes in that time.
 """
@@ -17,9 +17,9 @@ from typing import TypeVar
 
 import cv2
 
-from halo_service.evaluation.study.cache import background_of
 from halo_service.evaluation.study.calibrate import by_script
-from halo_service.evaluation.study.recording import load, played
+from halo_service.evaluation.study.recording import load, restored
+from halo_service.evaluation.study.simulate import background_of
 from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings, start, step
 from halo_service.sensing.background import excess_depth
@@ -40,10 +40,11 @@ def main() -> int:
     """Print one line a case."""
     folder = Path(sys.argv[1])
     cv2.setNumThreads(1)  # as `halo serve` does
-    background = background_of(folder)
-    profile = by_script(load(folder / "calibration.npz"), background, SensingSettings())
+    calibration = load(folder / "calibration.npz")
+    background = background_of(calibration)
+    profile = by_script(calibration, background, SensingSettings())
     for task, fingers, count in CASES:
-        frames = list(islice(played(load(folder / f"{task}.npz"), background), FRAMES))
+        frames = list(islice(restored(load(folder / f"{task}.npz"), background), FRAMES))
         sensing, difference = costs(profile, SensingSettings(fingers=fingers), frames, count)
         print(
             f"{count:2} fingers  {1e3 * sensing:5.2f} ms a frame  {1e3 * sensing / count:.2f} ms a "

@@ -19,7 +19,7 @@ os.environ["OMP_NUM_THREADS"] = "1"  # before the imports below: as the service 
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.evaluation.latency.raw_frames import handed, unpacked
+from halo_service.evaluation.latency.raw_frames import to_raw, unpack
 from halo_service.hand_tracking.blend import ColourWarp, Picture, blend
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
@@ -109,7 +109,7 @@ def film(asked: SimRequest, sensor: Sensor, count: int) -> Iterator[tuple[Frame,
         pads = [hand.pad(Finger.INDEX) for hand in stage.hands if hand.pointing(Finger.INDEX)]
         seen = [lens.project(sensor.surface.to_camera(pad[None]))[0] for pad in pads]
         inside = [px for px in seen if 0 <= px[0] < lens.width and 0 <= px[1] < lens.height]
-        yield unpacked(handed(drawn), sensor.camera), inside
+        yield unpack(to_raw(drawn), sensor.camera), inside
 
 
 if __name__ == "__main__":

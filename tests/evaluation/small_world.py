@@ -1,4 +1,4 @@
-"""A small world for the scores: a surface that is the camera's own frame, taps, and what was told.
+"""A small world for the metrics: the surface is the camera's frame, with taps and their reports.
 
 Times are in frames of 33 333 us; frame 0 is at 1 s.
 """
@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from halo_service.evaluation.metrics.truth import Truth, read_truth
 from halo_service.geometry.surface import Surface
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch, TouchEvent, TouchFrame
 
 FRAME_US = 33_333
 SURFACE = Surface("table", 300.0, 200.0, np.eye(4))
 AWAY_MM = 30.0
+COUNT = 30
 _NOTHING = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -50,26 +52,26 @@ def finger(
 def truth_frames(
     count: int, fingers: Mapping[int, Sequence[dict[str, Any]]] | None = None
 ) -> list[dict[str, Any]]:
-    """Truth's lines of so many frames; a finger waits in the air where nothing else is said."""
-    said = fingers or {}
-    return [{"time_us": at(k), "fingers": list(said.get(k, [finger()]))} for k in range(count)]
+    """Truth's lines of so many frames; where nothing is given a finger hovers."""
+    given = fingers or {}
+    return [{"time_us": at(k), "fingers": list(given.get(k, [finger()]))} for k in range(count)]
 
 
 def pointer(id_: int = 1, x_mm: float = 100.0, y_mm: float = 100.0, **more: Any) -> Pointer:
     """A pointer of the right index finger, 30 mm above."""
-    told = {
+    fields = {
         "id": id_, "slot": 0, "side": Side.RIGHT, "finger": Finger.INDEX, "state": Touch.HOVER,
         "x_mm": x_mm, "y_mm": y_mm, "hover_mm": AWAY_MM, "pressure": 0.0, "force_g": 0.0,
         "vx_mm_s": 0.0, "vy_mm_s": 0.0, "confidence": 1.0, "contacts": 0,
         "diagnostics": _NOTHING,
     }  # fmt: skip
-    return Pointer(**(told | more))
+    return Pointer(**(fields | more))
 
 
 def down(id_: int = 1, x_mm: float = 100.0, y_mm: float = 100.0, **more: Any) -> TouchEvent:
     """A finger came down."""
-    told = {"strike_mm_s": 0.0, "ago_ms": 0.0, "contacts": 1} | more
-    return TouchEvent("down", id_, 0, x_mm, y_mm, **told)
+    fields = {"strike_mm_s": 0.0, "ago_ms": 0.0, "contacts": 1} | more
+    return TouchEvent("down", id_, 0, x_mm, y_mm, **fields)
 
 
 def up(id_: int = 1, ago_ms: float = 0.0) -> TouchEvent:
@@ -77,12 +79,12 @@ def up(id_: int = 1, ago_ms: float = 0.0) -> TouchEvent:
     return TouchEvent("up", id_, 0, 100.0, 100.0, 0.0, ago_ms, 1)
 
 
-def told_frames(
+def published_frames(
     count: int,
     events: Mapping[int, Sequence[TouchEvent]] | None = None,
     pointers: Mapping[int, Sequence[Pointer]] | None = None,
 ) -> list[TouchFrame]:
-    """So many published frames; one pointer waits in the air where nothing else is said."""
+    """So many published frames; where nothing is given one pointer hovers."""
     happened, there = events or {}, pointers or {}
     return [
         TouchFrame(
@@ -95,3 +97,13 @@ def told_frames(
         )
         for k in range(count)
     ]
+
+
+def truth_of(lines: Sequence[dict[str, Any]]) -> Truth:
+    """The truth on this surface."""
+    return read_truth(lines, SURFACE)
+
+
+def everywhere(value: Any, count: int = COUNT) -> dict[int, Any]:
+    """The same value in each frame."""
+    return dict.fromkeys(range(count), value)

@@ -1,4 +1,4 @@
-"""`halo evaluate`: what it is asked for, and what it answers to what it does not know."""
+"""`halo evaluate`: its options, its errors, and the evaluation of a recording."""
 
 from __future__ import annotations
 
@@ -18,28 +18,31 @@ from halo_service.virtual.sim_url import parse_sim_url
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "sentence"),
     [
-        (["--method", "ours,theirs"], "no method 'theirs'; known: ours"),
-        (["--materials", "stone"], "no material 'stone'; known: paper, wood"),
-        (["--quick", "--tasks", "juggling"], "no task 'juggling'; known: hover-5, pointing-20"),
-        (["--labels", "nowhere"], "there is no label file (*.txt) in nowhere"),
-        (["--kept-only"], "no kept takes of these users and materials"),
+        (["--method", "ours,theirs"], "unknown method 'theirs'; choose from: ours"),
+        (["--materials", "stone"], "unknown material 'stone'; choose from: paper, wood"),
+        (
+            ["--quick", "--tasks", "juggling"],
+            "unknown task 'juggling'; choose from: hover-5, pointing-20",
+        ),
+        (["--labels", "nowhere"], "no label file (*.txt) in nowhere"),
+        (["--cached-only"], "no cached recordings of these users and materials"),
         (["--truth", "t.jsonl", "--tasks", "juggling"], "the study, which does not use --truth:"),
         (["--source", "recording:x", "--tasks", "juggling"], "does not use --source:"),
         (["--no-colour", "--tasks", "juggling"], "does not use --no-colour: leave"),
         (["--profile", "desk", "--tasks", "juggling"], "does not use --profile: leave --profile"),
         (["--quick", "--labels", "nowhere", "--tasks", "juggling"], "--quick does not use --lab"),
-        (["--kept-only", "--labels", "nowhere"], "--kept-only does not use --labels:"),
-        (["--kept-only", "--quick"], "--kept-only does not use --quick:"),
+        (["--cached-only", "--labels", "nowhere"], "--cached-only does not use --labels:"),
+        (["--cached-only", "--quick"], "--cached-only does not use --quick:"),
         (
             ["--each", "--markdown", "--tasks", "juggling"],
             "--each does not use --markdown: leave",
         ),
         (["--csv", "-", "--each", "--tasks", "juggling"], "--csv - does not use --each: leave"),
         (["--csv", "-", "--markdown"], "--csv - does not use --markdown: leave --markdown out"),
-        (["--live", "here", "--quick"], "--live does not use --quick, --keep: leave --quick"),
-        (["--live", "here", "--truth", "t.jsonl"], "--live does not use --truth, --keep:"),
+        (["--live", "here", "--quick"], "--live does not use --quick, --cache: leave --quick"),
+        (["--live", "here", "--truth", "t.jsonl"], "--live does not use --truth, --cache:"),
         (["take.mkv", "--live", "here"], "--live does not use RECORDING: leave RECORDING out"),
         (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING does not use --users:"),
         (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING does not use --source:"),
@@ -48,27 +51,27 @@ from halo_service.virtual.sim_url import parse_sim_url
         (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
     ],
 )
-def test_what_nobody_knows_is_answered_with_one_sentence(
+def test_wrong_options_are_answered_with_one_sentence(
     arguments: list[str],
-    says: str,
+    sentence: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     if "take.mkv" not in arguments:
-        arguments = [*arguments, "--keep", "takes"]
+        arguments = [*arguments, "--cache", "recordings"]
     assert main(["evaluate", *arguments]) == 2
-    told = capsys.readouterr()
-    assert says in told.err
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert sentence in printed.err
+    assert printed.out == ""
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
     ("option", "text"), [("--users", "301,-2"), ("--users", "all"), ("--jobs", "0")]
 )
-def test_numbers_that_are_none_are_refused(
+def test_wrong_numbers_are_refused(
     option: str, text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit):
@@ -76,28 +79,30 @@ def test_numbers_that_are_none_are_refused(
     assert f"argument {option}: {text!r} must be" in capsys.readouterr().err
 
 
-def test_an_unknown_method_is_refused_before_a_session_is_asked_for(
+def test_an_unknown_method_is_refused_before_a_session_begins(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["evaluate", "--live", "here", "--method", "ours,theirs"]) == 2
-    assert "no method 'theirs'; known: ours" in capsys.readouterr().err
+    assert "unknown method 'theirs'; choose from: ours" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_kept_takes_of_labels_are_among_what_is_kept(
+def test_cached_recordings_of_labels_are_in_the_plan(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "201-wood").mkdir()
     for name in ("calibration", "labels-05_1", "pointing", "another"):
         (tmp_path / "201-wood" / f"{name}.npz").touch()
-    assert main(["evaluate", "--kept-only", "--keep", str(tmp_path), "--tasks", "juggling"]) == 2
-    assert "no task 'juggling'; known: labels-05_1, pointing\n" in capsys.readouterr().err
+    assert main(["evaluate", "--cached-only", "--cache", str(tmp_path), "--tasks", "juggling"]) == 2
+    assert (
+        "unknown task 'juggling'; choose from: labels-05_1, pointing\n" in capsys.readouterr().err
+    )
 
 
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a recording of nobody, its truth, and a profile of its room."""
+    """A folder with a recording of an empty table, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("desk")
     taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
     assert main(["simulate", "idle?seed=205", *taken, "--seconds", "0.3"]) == 0
@@ -106,24 +111,24 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def methods_of(desk: Path, profile: Path, figures: Path, *options: str) -> set[str]:
-    """Judge the recording of nobody, and return who did."""
+    """Evaluate the recording of the empty table, and return the methods that did."""
     given = ("--truth", str(desk / "truth"), "--profile", str(profile), "--csv", str(figures))
     assert main(["evaluate", str(desk / "desk.mkv"), *given, *options]) == 0
     with figures.open(encoding="utf-8", newline="") as file:
         return {row["method"] for row in csv.DictReader(file)}
 
 
-def test_a_recording_is_judged_by_the_methods_that_its_profile_serves_and_told_as_one(
+def test_a_recording_is_evaluated_by_the_methods_that_read_its_profile(
     desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    judges = methods_of(desk, desk / "profile", tmp_path / "figures")
-    assert judges == {"ours", "direct", "wilson"}
-    told = capsys.readouterr().out
-    assert "recording desk, judged by its truth\n" in told
-    assert "virtual" not in told
+    methods = methods_of(desk, desk / "profile", tmp_path / "figures")
+    assert methods == {"ours", "direct", "wilson"}
+    text = capsys.readouterr().out
+    assert "recording desk, compared with its truth\n" in text
+    assert "virtual" not in text
 
 
-def test_who_goes_by_the_empty_surface_judges_without_touch_states(
+def test_methods_that_need_the_empty_surface_alone_need_no_touch_states(
     desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     save(replace(load(desk / "profile"), touch=None), tmp_path / "empty")
@@ -140,51 +145,49 @@ def recorded(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of three touches, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("recorded")
     files = ("--out", str(folder / "take.mkv"), "--truth", str(folder / "truth.jsonl"))
-    # The third touch ends at 7.9 s.
-    assert main(["simulate", "pointing?seed=205", *files, "--seconds", "8.2"]) == 0
+    # The third touch ends at 3.05 s.
+    assert main(["simulate", "demo?seed=205", *files, "--seconds", "3.3"]) == 0
     shutil.copytree(desk / "profile", folder / "profile")  # the room is the seed's alone
     return folder
 
 
-def judge(recording: Path, *options: str) -> int:
+def evaluate(recording: Path, *options: str) -> int:
     profile = ("--profile", str(recording.parent / "profile"))
     return main(["evaluate", str(recording), *profile, "--method", "ours", *options])
 
 
-def test_where_nobody_knows_the_truth_the_script_says_what_was_asked_for(
-    desk: Path, tmp_path: Path
-) -> None:
+def test_where_the_truth_is_unknown_the_script_is_used(desk: Path, tmp_path: Path) -> None:
     script = [{"step": "target", "from_s": 0.0, "to_s": 0.3, "target_mm": [150.0, 100.0]}]
     (tmp_path / "script.json").write_text(json.dumps(script))
     files = ("--script", str(tmp_path / "script.json"), "--csv", str(tmp_path / "figures.csv"))
-    assert judge(desk / "desk.mkv", *files) == 0
+    assert evaluate(desk / "desk.mkv", *files) == 0
     with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
         figures = {row["figure"]: row["value"] for row in csv.DictReader(file)}
     assert (figures["touches"], figures["missed"]) == ("1", "1")
 
 
 @pytest.mark.slow
-def test_a_recording_is_judged_against_its_truth(
+def test_a_recording_is_compared_with_its_truth(
     recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     lines = [json.loads(line) for line in (recorded / "truth.jsonl").read_text().splitlines()]
     contacts = sum("contact" in line for line in lines)
     options = ("--truth", str(recorded / "truth.jsonl"), "--report", str(tmp_path / "report"))
-    assert judge(recorded / "take.mkv", *options, "--csv", str(tmp_path / "figures.csv")) == 0
+    assert evaluate(recorded / "take.mkv", *options, "--csv", str(tmp_path / "figures.csv")) == 0
     with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
         figures = {row["figure"]: float(row["value"]) for row in csv.DictReader(file)}
     assert figures["touches"] == contacts >= 3
-    assert figures["recall"] >= 0.5  # that there is something to judge; how good is the study's
+    assert figures["recall"] >= 0.5  # only that there is something to score
     assert "The paper's figures and ours" in capsys.readouterr().out
     assert (tmp_path / "report" / "index.html").read_text().startswith("<!doctype html>")
 
 
 @pytest.mark.parametrize("text", ['{"time_us": 1}', '{"fingers": 3, "time_us": 1}', "[1]", "no"])
-def test_a_truth_that_is_none_is_refused_and_nothing_is_written(
+def test_a_wrong_truth_is_refused_and_nothing_is_written(
     text: str, desk: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "truth.jsonl").write_text(text)
     files = ("--truth", str(tmp_path / "truth.jsonl"), "--csv", str(tmp_path / "figures.csv"))
-    assert judge(desk / "desk.mkv", *files) == 2
+    assert evaluate(desk / "desk.mkv", *files) == 2
     assert "truth" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["truth.jsonl"]

@@ -1,4 +1,4 @@
-"""The guided session under a real camera: what is asked for becomes the script."""
+"""The guided session under a real camera: its requests become the script."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from halo_calibration.errors import Refused
 from halo_service.app.cli import main
 from halo_service.app.evaluation_ui.guided import Ask, asked, conduct, require_crosses
 from halo_service.errors import UserError
-from halo_service.evaluation.study.sense import Played
+from halo_service.evaluation.study.sense import FrameSequence
 from halo_service.geometry.surface import Surface
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile, StepRecord
@@ -49,7 +49,7 @@ def found(profile: Profile) -> Profile:
     return replace(profile, steps={"surface": BY_MARKERS})
 
 
-def test_the_session_asks_for_the_papers_targets_heights_and_forces() -> None:
+def test_the_session_has_the_papers_targets_heights_and_forces() -> None:
     asks = list(asked(surface_of(300.0, 200.0)))
     steps = [ask.step for ask in asks]
     assert {name: steps.count(name) for name in steps} == {
@@ -72,7 +72,7 @@ def test_the_crosses_lie_around_the_middle_of_the_profiles_surface() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("changes", "sentence"),
     [
         ({"touch": None}, "has no touch states"),
         ({"steps": {}}, "--by markers"),
@@ -81,14 +81,14 @@ def test_the_crosses_lie_around_the_middle_of_the_profiles_surface() -> None:
         ({"surface": surface_of(150.0, 200.0)}, "150 x 200 mm, and the crosses want 170 x 170 mm"),
     ],
 )
-def test_a_profile_that_cannot_tell_where_the_crosses_are_is_refused(
-    changes: dict[str, object], says: str, found: Profile
+def test_a_profile_that_does_not_know_where_the_crosses_are_is_refused(
+    changes: dict[str, object], sentence: str, found: Profile
 ) -> None:
     require_crosses(found)
     require_crosses(replace(found, surface=surface_of(170.0, 170.0)))
     with pytest.raises(UserError) as refused:
         require_crosses(replace(found, **changes))  # type: ignore[arg-type]
-    assert says in str(refused.value)
+    assert sentence in str(refused.value)
     assert "run 'halo calibrate " in str(refused.value)
 
 
@@ -96,7 +96,7 @@ def test_the_virtual_tables_targets_are_around_the_middle_of_its_view(found: Pro
     require_crosses(replace(found, camera=factory(), steps={"surface": BY_VIEW}))
 
 
-def test_prompts_keep_out_of_the_figures_and_nothing_of_half_a_session_is_kept(
+def test_prompts_go_to_stderr_and_half_a_session_leaves_no_file(
     found: Profile,
     draw: Callable[..., Frame],
     tmp_path: Path,
@@ -111,10 +111,10 @@ def test_prompts_keep_out_of_the_figures_and_nothing_of_half_a_session_is_kept(
     source = f"recording:{tmp_path / 'take.mkv'}"
     folder = tmp_path / "first-light"
     assert main(["evaluate", "--live", str(folder), "--source", source, *options]) == 2
-    told = capsys.readouterr()
-    assert "Touch cross 1-1 once." in told.err
-    assert "the recording ended during 'target'" in told.err
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert "Touch cross 1-1 once." in printed.err
+    assert "the recording ended during 'target'" in printed.err
+    assert printed.out == ""
     assert list(folder.iterdir()) == []
 
 
@@ -126,7 +126,7 @@ def test_prompts_keep_out_of_the_figures_and_nothing_of_half_a_session_is_kept(
         ["bench", "--source", "recording:take.mkv"],
     ],
 )
-def test_a_profile_that_tells_no_touches_is_refused_before_anything_is_opened(
+def test_a_profile_without_touch_states_is_refused_before_anything_is_opened(
     command: list[str],
     found: Profile,
     tmp_path: Path,
@@ -141,26 +141,26 @@ def test_a_profile_that_tells_no_touches_is_refused_before_anything_is_opened(
     assert {path.name for path in tmp_path.iterdir()} == {"profile", "t.jsonl"}
 
 
-def test_what_is_asked_for_is_the_script_on_the_recordings_own_clock() -> None:
+def test_the_script_is_on_the_recordings_own_clock() -> None:
     asks = [
         Ask("Touch it.", 0.0, 2.0, "target", {"target_mm": [10.0, 20.0]}),
         Ask("Hold it.", 1.0, 3.0, "hover", {"height_mm": 5.0}),
     ]
     said: list[str] = []
-    kept: list[Frame] = []
-    lines = conduct(asks, Played(live(1000)), said.append, kept.append)
+    frames: list[Frame] = []
+    lines = conduct(asks, FrameSequence(live(1000)), said.append, frames.append)
     assert said == ["Touch it.", "Hold it."]
-    assert kept[0].time_us == 0
+    assert frames[0].time_us == 0
     assert [line["step"] for line in lines] == ["target", "hover"]
     assert lines[0]["target_mm"] == [10.0, 20.0]
     assert lines[1]["height_mm"] == 5.0
     times = [(line["from_s"], line["to_s"]) for line in lines]
     assert times[0] == pytest.approx((0.0, 2.0), abs=0.04)
     assert times[1] == pytest.approx((3.0, 6.0), abs=0.08)
-    assert kept[-1].time_us / 1e6 == pytest.approx(times[1][1])
+    assert frames[-1].time_us / 1e6 == pytest.approx(times[1][1])
 
 
-def test_a_camera_that_ends_in_mid_session_is_told() -> None:
+def test_a_camera_that_ends_during_the_session_is_refused() -> None:
     asks = [Ask("Touch it.", 0.0, 9.0, "target", {"target_mm": [10.0, 20.0]})]
     with pytest.raises(Refused, match="during 'target'"):
-        conduct(asks, Played(live(60)), lambda _: None, lambda _: None)
+        conduct(asks, FrameSequence(live(60)), lambda _: None, lambda _: None)

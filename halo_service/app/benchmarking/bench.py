@@ -25,10 +25,10 @@ from halo_service.errors import UserError
 from halo_service.evaluation.latency.blocks import run
 from halo_service.evaluation.latency.figures import Case, case_of, goals
 from halo_service.evaluation.latency.listener import Listener
-from halo_service.evaluation.latency.raw_frames import handed
+from halo_service.evaluation.latency.raw_frames import to_raw
 from halo_service.evaluation.latency.regressor import Regressor, regressor_for
 from halo_service.evaluation.latency.sequential import Sequential
-from halo_service.evaluation.latency.simulate import Take, draw
+from halo_service.evaluation.latency.simulate import LatencyRecording, simulate
 from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
 from halo_service.files import from_home
 from halo_service.hand_tracking.hands import HandTracker
@@ -89,7 +89,7 @@ class Service:
     """The parts of the service, and of its rival, as `halo serve` would put them together."""
 
     def __init__(
-        self, take: Take, profile: Profile, regressor: Regressor, settings: Settings
+        self, take: LatencyRecording, profile: Profile, regressor: Regressor, settings: Settings
     ) -> None:
         self._take = take
         self._profile = profile
@@ -129,7 +129,7 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
         simulated = parse_sim_url(source)
         profile = _profile_for(request.profile) or _measured(simulated, settings)
         with progress(f"rendering {source}", round(request.seconds * FPS)) as bar:
-            take = draw(source, simulated, request.seconds, bar.advance)
+            take = simulate(source, simulated, request.seconds, bar.advance)
     elif kind == "recording" and rest:
         known = _profile_for(request.profile)
         if known is None:
@@ -178,10 +178,10 @@ def _measured(request: SimRequest, settings: Settings) -> Profile:
     return replace(profile, correction=correction, touch=corrected(profile.touch, correction))
 
 
-def _read(source: str, path: str, seconds: float) -> Take:
+def _read(source: str, path: str, seconds: float) -> LatencyRecording:
     with closing(Recording(from_home(path), realtime=False, loop=False)) as recording:
-        captures = tuple(handed(frame) for frame in _first(recording, seconds))
-        return Take(source, recording.kind, recording.camera, captures, None)
+        captures = tuple(to_raw(frame) for frame in _first(recording, seconds))
+        return LatencyRecording(source, recording.kind, recording.camera, captures, None)
 
 
 def _first(recording: Recording, seconds: float) -> Iterator[Frame]:

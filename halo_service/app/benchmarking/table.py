@@ -29,12 +29,12 @@ def table(case: Case) -> list[str]:
         _pair("  frame to packet", ours.path_cpu_a_frame, sequential.path_cpu_a_frame),
         _sent("frames sent", ours.frames, sequential.frames),
         _sent("  too late for it", ours.dropped, sequential.dropped),
-        _sent("  heard", ours.heard, sequential.heard),
+        _sent("  received", ours.received, sequential.received),
         *_contacts(case),
         *_disturbed(case),
         "goals",
         *(
-            f"  {goal.name:34}{goal.value:8.2f}  {goal.wanted:10} "
+            f"  {goal.name:34}{goal.value:8.2f}  {goal.limit:10} "
             f"{'pass' if goal.passed else 'falls short'}"
             for goal in goals(case)
         ),
@@ -73,11 +73,11 @@ def _sent(name: str, ours: int, sequential: int) -> str:
 def _contacts(case: Case) -> list[str]:
     if case.contacts is None:
         return []
-    told = case.contacts
+    contacts = case.contacts
     return [
-        f"contact -> down: median {told.median_ms:.1f} ms ({told.median_frames:.2f} frames), "
-        f"p95 {told.p95_ms:.1f} ms; {told.told} of {told.true} told, "
-        f"{told.early} before contact"
+        f"contact -> down: median {contacts.median_ms:.1f} ms "
+        f"({contacts.median_frames:.2f} frames), p95 {contacts.p95_ms:.1f} ms; "
+        f"{contacts.reported} of {contacts.true} reported, {contacts.early} before contact"
     ]
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SUMMARY = "measure the sensing: on virtual users, a recording or a real table"
 EXAMPLE = "halo evaluate --quick"
 
-STUDY = ("quick", "users", "materials", "tasks", "labels", "keep", "kept_only", "jobs")
+STUDY = ("quick", "users", "materials", "tasks", "labels", "cache", "cached_only", "jobs")
 """Options of the study alone."""
 LIVE = ("source", "no_colour")
 """Options of a session on a real table alone."""
@@ -42,15 +42,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--materials", type=_names, default=(), metavar="M,...", help="paper,...")
     parser.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
     parser.add_argument("--labels", type=Path, metavar="DIR", help="touches of real people")
-    parser.add_argument("--keep", type=Path, metavar="DIR", help="cache folder for rendered frames")
+    parser.add_argument("--cache", type=Path, metavar="DIR", help="folder for simulated recordings")
     parser.add_argument(
-        "--kept-only", action="store_true", help="render nothing: use only what the cache holds"
+        "--cached-only", action="store_true", help="simulate nothing: use only cached recordings"
     )
     parser.add_argument(
         "--jobs", type=_count, metavar="N", help="number of processes (default: one a core)"
     )
     parser.add_argument("--each", action="store_true", help="a line a user, task and method")
-    parser.add_argument("--markdown", action="store_true", help="print tables as Markdown")
+    parser.add_argument(
+        "--markdown",
+        action="store_true",
+        help="print a page for docs/results",
+    )
     parser.add_argument("--report", type=Path, metavar="DIR", help="write a web page with plots")
     parser.add_argument("--csv", metavar="FILE", help="write every figure; - for stdout")
 
@@ -58,12 +62,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the study, or evaluate a recording, and print the results."""
     from halo_service.app.evaluation_ui.evaluate import known_methods
-    from halo_service.app.evaluation_ui.results import Telling, telling
+    from halo_service.app.evaluation_ui.results import ReportOptions, open_report
 
     refuse_idle(options)
     known_methods(options.method)  # before --live takes four minutes of somebody's time
-    with telling(Telling(options.csv, options.each, options.markdown, options.report)) as tell:
-        tell(_results(options))
+    report = ReportOptions(options.csv, options.each, options.markdown, options.report)
+    with open_report(report) as write:
+        write(_results(options))
     return 0
 
 
@@ -74,22 +79,22 @@ def _results(options: argparse.Namespace) -> Sequence[Result]:
     settings = settings_from(options)
     if options.live is not None:
         recording, script = first_light(settings, options.live, not options.no_colour)
-        recorded = evaluate.RecordingRequest(recording, None, script, options.method)
+        recorded = evaluate.RecordingOptions(recording, None, script, options.method)
         return evaluate.evaluate_recording(settings, recorded)
     if options.recording is not None:
-        recorded = evaluate.RecordingRequest(
+        recorded = evaluate.RecordingOptions(
             options.recording, options.truth, options.script, options.method
         )
         return evaluate.evaluate_recording(settings, recorded)
-    study = evaluate.StudyRequest(
+    study = evaluate.StudyOptions(
         options.quick,
         options.method,
         options.users,
         options.materials,
         options.tasks,
         options.labels,
-        options.keep,
-        options.kept_only,
+        options.cache,
+        options.cached_only,
         options.jobs,
     )
     return evaluate.evaluate(settings, study)
@@ -104,8 +109,8 @@ def refuse_idle(options: argparse.Namespace) -> None:
     else:
         study = "without RECORDING or --live runs the study, which"
         _refuse(options, study, "truth", "script", "profile", *LIVE)
-    if options.kept_only:
-        _refuse(options, "--kept-only", "quick", "labels")
+    if options.cached_only:
+        _refuse(options, "--cached-only", "quick", "labels")
     if options.quick:
         _refuse(options, "--quick", "labels")
     if options.csv == STDOUT:

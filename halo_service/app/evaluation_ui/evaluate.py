@@ -17,13 +17,14 @@ from platformdirs import user_cache_path
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
 from halo_service.errors import UserError
-from halo_service.evaluation.methods import AS_CALIBRATED, BY_SURFACE, METHODS
+from halo_service.evaluation.methods import METHODS, NEEDS_NO_STATES, READS_PROFILE
 from halo_service.evaluation.metrics.result import Result
-from halo_service.evaluation.study import plan as matrix
-from halo_service.evaluation.study.cache import Look, Studio
-from halo_service.evaluation.study.judge import read_lines, recording_judged
-from halo_service.evaluation.study.plan import Person, Plan, Task
-from halo_service.evaluation.study.run import Order, run, work_s
+from halo_service.evaluation.study import plan as study
+from halo_service.evaluation.study.cache import RecordingCache
+from halo_service.evaluation.study.judge import judge_recording, read_lines
+from halo_service.evaluation.study.plan import Plan, Task, User
+from halo_service.evaluation.study.run import StudyRequest, run, work_s
+from halo_service.evaluation.study.simulate import Tracker
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
@@ -35,8 +36,8 @@ from halo_service.virtual.materials import MATERIALS, STUDIED
 
 
 @dataclass(frozen=True, slots=True)
-class StudyRequest:
-    """What the command line asks for; empty or None: what the matrix has."""
+class StudyOptions:
+    """The command line's options; empty or None: what the plan has."""
 
     quick: bool = False
     methods: tuple[str, ...] = ()
@@ -44,70 +45,72 @@ class StudyRequest:
     materials: tuple[str, ...] = ()
     tasks: tuple[str, ...] = ()
     labels: Path | None = None
-    keep: Path | None = None
-    kept_only: bool = False
+    cache: Path | None = None
+    cached_only: bool = False
     jobs: int | None = None
 
 
 def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of methods; raises `UserError` for one that nobody knows."""
-    return matrix.chosen(wanted, tuple(METHODS), "method")
+    """Return the names of methods; raises `UserError` for an unknown one."""
+    return study.choose(wanted, tuple(METHODS), "method")
 
 
-def evaluate(settings: Settings, request: StudyRequest) -> tuple[Result, ...]:
+def evaluate(settings: Settings, options: StudyOptions) -> tuple[Result, ...]:
     """Run the study, with a progress bar; raises `UserError` for what cannot be run."""
     tracker = _tracker(settings.tracking)
-    studio = Studio(
-        request.keep or user_cache_path("halo-service", appauthor=False) / "takes",
+    cache = RecordingCache(
+        options.cache or user_cache_path("halo-service", appauthor=False) / "recordings",
         partial(looking, settings.tracking),
         tracker,
-        not request.kept_only,
+        not options.cached_only,
     )
-    methods = known_methods(request.methods or tuple(METHODS))
-    order = Order(_plan(request, studio), methods, studio, settings.sensing, _jobs(request.jobs))
-    with progress("study", work_s(order)) as bar:
-        return run(order, bar.advance)
+    methods = known_methods(options.methods or tuple(METHODS))
+    request = StudyRequest(
+        _plan(options, cache), methods, cache, settings.sensing, _jobs(options.jobs)
+    )
+    with progress("study", work_s(request)) as bar:
+        return run(request, bar.advance)
 
 
 @dataclass(frozen=True, slots=True)
-class RecordingRequest:
-    """A recording to judge."""
+class RecordingOptions:
+    """A recording to evaluate."""
 
     recording: Path
     truth: Path | None
-    """None: nobody knows it, and the script says what was asked of the person."""
+    """None: unknown; the script says what the user did."""
     script: Path | None
     methods: tuple[str, ...]
-    """Empty: those that the profile serves; another would stand there with levels of our signal."""
+    """Empty: those that read the profile as it is; `paper` needs levels of its own signal."""
 
 
-def evaluate_recording(settings: Settings, request: RecordingRequest) -> tuple[Result, ...]:
-    """Judge a recording by its truth or its script; raises `UserError` where one is none."""
-    if request.truth is None and request.script is None:
+def evaluate_recording(settings: Settings, options: RecordingOptions) -> tuple[Result, ...]:
+    """Compare a recording with its truth or script; raises `UserError` for what is none."""
+    if options.truth is None and options.script is None:
         raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
     if not settings.profile:
         raise UserError("evaluate: name the profile that goes with the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
-    methods = known_methods(request.methods or AS_CALIBRATED)
-    truth = read_lines(request.truth, "truth") if request.truth else None
-    script = read_lines(request.script, "script") if request.script else ()
-    if not set(methods) <= set(BY_SURFACE):
+    methods = known_methods(options.methods or READS_PROFILE)
+    truth = read_lines(options.truth, "truth") if options.truth else None
+    script = read_lines(options.script, "script") if options.script else ()
+    if not set(methods) <= set(NEEDS_NO_STATES):
         require_touch(profile)
-    with closing(Recording(request.recording, realtime=False, loop=False)) as source:
+    with closing(Recording(options.recording, realtime=False, loop=False)) as source:
         require_fit(profile, source.camera)
         with (
-            closing(HandDetector(source.camera, profile, settings.tracking)) as eyes,
-            progress(f"evaluating {request.recording.name}") as bar,
+            closing(HandDetector(source.camera, profile, settings.tracking)) as detector,
+            progress(f"evaluating {options.recording.name}") as bar,
         ):
 
-            def look(frame: Frame) -> Tracked:
+            def track(frame: Frame) -> Tracked:
                 bar.advance()
-                return eyes.look(frame)
+                return detector.look(frame)
 
-            return recording_judged(
+            return judge_recording(
                 source,
-                request.recording.stem,
-                look,
+                options.recording.stem,
+                track,
                 [METHODS[name] for name in methods],
                 profile,
                 settings.sensing,
@@ -119,46 +122,45 @@ def evaluate_recording(settings: Settings, request: RecordingRequest) -> tuple[R
 @contextmanager
 def looking(
     tracking: TrackingSettings, camera: Camera, profile: Profile | None, hands: int
-) -> Iterator[Look]:
-    """Give a hand tracker that looks for so many hands."""
-    with closing(HandDetector(camera, profile, replace(tracking, max_hands=hands))) as eyes:
-        yield eyes.look
+) -> Iterator[Tracker]:
+    """Open a hand tracker that looks for that many hands."""
+    with closing(HandDetector(camera, profile, replace(tracking, max_hands=hands))) as detector:
+        yield detector.look
 
 
-def _plan(request: StudyRequest, studio: Studio) -> Plan:
-    materials = matrix.chosen(request.materials or STUDIED, tuple(MATERIALS), "material")
-    if request.kept_only:
-        plan = _kept(studio, request.users, materials)
-    elif request.quick:
-        plan = matrix.quick_plan(request.users or matrix.QUICK_USERS, materials)
+def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
+    materials = study.choose(options.materials or STUDIED, tuple(MATERIALS), "material")
+    if options.cached_only:
+        plan = _cached(cache, options.users, materials)
+    elif options.quick:
+        plan = study.quick_plan(options.users or study.QUICK_USERS, materials)
     else:
-        files = () if request.labels is None else _label_files(request.labels)
-        plan = matrix.plan(request.users or matrix.REPORTED, materials, labels=files)
+        files = () if options.labels is None else _label_files(options.labels)
+        plan = study.plan(options.users or study.REPORTED, materials, labels=files)
     names = sorted({task.name for tasks in plan.values() for task in tasks})
-    wanted = matrix.chosen(request.tasks or tuple(names), tuple(names), "task")
+    wanted = study.choose(options.tasks or tuple(names), tuple(names), "task")
     plan = {
-        person: tuple(task for task in tasks if task.name in wanted)
-        for person, tasks in plan.items()
+        user: tuple(task for task in tasks if task.name in wanted) for user, tasks in plan.items()
     }
-    return {person: tasks for person, tasks in plan.items() if tasks}
+    return {user: tasks for user, tasks in plan.items() if tasks}
 
 
-def _kept(
-    studio: Studio, users: Sequence[int], materials: Sequence[str]
-) -> dict[Person, tuple[Task, ...]]:
-    """Plan what lies in the folder, and nothing else."""
+def _cached(
+    cache: RecordingCache, users: Sequence[int], materials: Sequence[str]
+) -> dict[User, tuple[Task, ...]]:
+    """Plan what the cache holds, and nothing else."""
     plan = {}
-    for file in sorted(studio.folder.glob(f"*/{matrix.CALIBRATION.name}.npz")):
+    for file in sorted(cache.folder.glob(f"*/{study.CALIBRATION.name}.npz")):
         seed, _, material = file.parent.name.partition("-")
         if seed.isdigit() and material in materials and (not users or int(seed) in users):
-            person = Person(int(seed), material)
-            labels = sorted(file.parent.glob(f"{matrix.LABELS.name}-*.npz"))
-            tasks = (*matrix.KNOWN, *(replace(matrix.LABELS, name=each.stem) for each in labels))
-            plan[person] = tuple(task for task in tasks if studio.has(person, task))
+            user = User(int(seed), material)
+            labels = sorted(file.parent.glob(f"{study.LABELS.name}-*.npz"))
+            tasks = (*study.ALL_TASKS, *(replace(study.LABELS, name=each.stem) for each in labels))
+            plan[user] = tuple(task for task in tasks if cache.has(user, task))
     if not plan:
         raise UserError(
-            f"no kept takes of these users and materials are in {studio.folder}; leave out "
-            f"--kept-only to have them drawn"
+            f"no cached recordings of these users and materials in {cache.folder}; leave out "
+            f"--cached-only to simulate them"
         )
     return plan
 
@@ -166,7 +168,7 @@ def _kept(
 def _label_files(folder: Path) -> list[Path]:
     files = sorted(folder.glob("*.txt")) if folder.is_dir() else []
     if not files:
-        raise UserError(f"there is no label file (*.txt) in {folder}; give --labels their folder")
+        raise UserError(f"no label file (*.txt) in {folder}; give --labels the folder with them")
     return files
 
 
@@ -176,6 +178,6 @@ def _jobs(wanted: int | None) -> int:
 
 
 def _tracker(tracking: TrackingSettings) -> str:
-    """Name the hand tracker by all that makes it see what it sees."""
+    """Name the hand tracker by all that its results depend on."""
     model = hashlib.sha256(model_for(tracking).read_bytes()).hexdigest()[:12]
     return f"mediapipe {version('mediapipe')} {model}"

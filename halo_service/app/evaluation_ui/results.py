@@ -1,10 +1,11 @@
-"""Where the results of `halo evaluate` go: the terminal, a file of figures, a page."""
+"""Where the results of `halo evaluate` go: the terminal, a CSV file, a page."""
 
 from __future__ import annotations
 
 import os
 import platform
 import shlex
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -16,48 +17,48 @@ from pathlib import Path
 from halo_service.app.files import STDOUT, written
 from halo_service.errors import UserError
 from halo_service.evaluation.metrics.result import Result
-from halo_service.evaluation.report import csv_rows as rows
-from halo_service.evaluation.report.brief import brief
+from halo_service.evaluation.report import csv_file
 from halo_service.evaluation.report.page import page
-from halo_service.evaluation.report.summary import heading, told
-from halo_service.evaluation.report.table import as_markdown, as_text
+from halo_service.evaluation.report.summary import brief, heading, paragraphs, results_file
+from halo_service.evaluation.report.table import as_text
 
 PAGE = "index.html"
 
 
 @dataclass(frozen=True, slots=True)
-class Telling:
-    """How results are told."""
+class ReportOptions:
+    """What to print and write."""
 
     csv: str | None = None
-    """Every figure into this file; `-`: instead of the tables."""
+    """File for every figure; `-`: on stdout instead of the tables."""
     each: bool = False
-    """A line a person, task and method instead of the tables."""
+    """Print one line per user, task and method instead of the tables."""
     markdown: bool = False
+    """Print a page for `docs/results` instead of the tables."""
     report: Path | None = None
     """A folder for a page with the plots."""
 
 
 @contextmanager
-def telling(asked: Telling) -> Iterator[Callable[[Sequence[Result]], None]]:
-    """Open what is to be written, before hours of work, and give what tells the results.
+def open_report(options: ReportOptions) -> Iterator[Callable[[Sequence[Result]], None]]:
+    """Open all files before hours of work, and yield what writes the results.
 
-    Raises `UserError` for what cannot be written; the files appear when all went well.
+    Raises `UserError` for a file that cannot be written; the files appear when all went well.
     """
     package = version("halo-service")
     with ExitStack() as stack:
-        figures = stack.enter_context(written(asked.csv)) if asked.csv is not None else None
-        shown = stack.enter_context(written(str(_page(asked.report)))) if asked.report else None
+        figures = stack.enter_context(written(options.csv)) if options.csv is not None else None
+        shown = stack.enter_context(written(str(_page(options.report)))) if options.report else None
 
-        def tell(results: Sequence[Result]) -> None:
+        def write(results: Sequence[Result]) -> None:
             if figures is not None:
-                rows.write(results, package, figures)
+                csv_file.write(results, package, figures)
             if shown is not None:
                 shown.write(page(results, _facts(results, package)))
-            if asked.csv != STDOUT:
-                print(_words(asked, results, package))
+            if options.csv != STDOUT:
+                print(_words(options, results, package))
 
-        yield tell
+        yield write
 
 
 def _page(folder: Path) -> Path:
@@ -65,22 +66,37 @@ def _page(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(
-            f"the folder {folder} cannot be made ({error.strerror}); give --report another one"
+            f"the folder {folder} cannot be created ({error.strerror}); give --report another one"
         ) from error
     return folder / PAGE
 
 
-def _words(asked: Telling, results: Sequence[Result], package: str) -> str:
-    if asked.each:
+def _words(options: ReportOptions, results: Sequence[Result], package: str) -> str:
+    if options.each:
         return "\n".join(brief(results))
-    return "\n\n".join(told(results, package, as_markdown if asked.markdown else as_text))
+    if options.markdown:
+        return results_file(results, _facts(results, package)).rstrip("\n")
+    return "\n\n".join(paragraphs(results, package, as_text))
 
 
 def _facts(results: Sequence[Result], package: str) -> dict[str, str]:
-    """Say what a page is of."""
+    """Say what the results are of."""
     return {
-        "command": shlex.join(("halo", *sys.argv[1:])),
         "date": date.today().isoformat(),
+        "command": shlex.join(("halo", *sys.argv[1:])),
+        "commit": _commit(),
         "machine": f"{platform.system()} on {platform.machine()}, {os.cpu_count()} cores",
         "what": "; ".join(heading(results, package)),
     }
+
+
+def _commit() -> str:
+    """Return the commit of the checkout that runs; `unknown` outside one."""
+    command = ["git", "describe", "--always", "--dirty", "--abbrev=10"]
+    try:
+        run = subprocess.run(
+            command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return run.stdout.strip()

@@ -1,4 +1,4 @@
-"""One run: the two arrangements by turns, over the same frames, so that noise hits both alike."""
+"""One run: the two arrangements take turns over the same frames, so that noise affects both."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, Protocol
 
-from halo_service.evaluation.latency.listener import Heard, Listener
-from halo_service.evaluation.latency.raw_frames import Player
+from halo_service.evaluation.latency.listener import Listener, Received
+from halo_service.evaluation.latency.raw_frames import PacedSource
 from halo_service.evaluation.latency.sequential import Sequential
-from halo_service.evaluation.latency.simulate import Take
+from halo_service.evaluation.latency.simulate import LatencyRecording
 from halo_service.evaluation.latency.stopwatch import Row, Stopwatch
 from halo_service.runtime.health import Health
 from halo_service.runtime.live import LiveLoop
@@ -23,44 +23,43 @@ from halo_service.values import TouchFrame
 
 Arrangement = Literal["ours", "sequential"]
 STARTING_S = 0.05
-"""How often a starting tracker is asked whether it is there."""
+"""Interval between two looks at a starting tracker."""
 SCHEDSTAT = Path("/proc/thread-self/schedstat")
 """Linux: nanoseconds on a core, nanoseconds of waiting for one, and how often."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spent:
-    """What playing a take cost, from its first frame to its last."""
+    """Cost of one block, from its first frame to its last."""
 
     cpu_ms: float
     """Of all threads."""
     path_cpu_ms: float
-    """Of the thread that takes frames and sends packets."""
+    """Of the thread that reads frames and sends packets."""
     core_wait_ms: float | None
-    """How long that thread was ready to run while others had the cores; None where the system
-    does not say (Linux does)."""
+    """How long that thread was ready to run while others had the cores; Linux only, else None."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """One take, played once through one arrangement."""
+    """One recording, run once through one arrangement."""
 
     arrangement: Arrangement
     rows: tuple[Row, ...]
     offered: int
     dropped: int
-    """Frames that a newer one replaced before they were taken."""
+    """Frames that a newer one replaced before they were read."""
     spent: Spent
-    heard: Heard
-    unasked: int
-    """Packets among them that told of no frame: our loop's farewell."""
+    received: Received
+    extra_packets: int
+    """Packets among them without a frame: our loop's last one."""
     hands_ms: tuple[float, ...]
-    """How much older than its frame the hands were that it was sensed with, the median of each
-    second; empty where each frame waits for its own."""
+    """How much older than the frame its hands were, the median of each second; empty where each
+    frame waits for its own."""
 
 
 class Parts(Protocol):
-    """What the app hands in: the parts of the service as it really runs."""
+    """The parts of the service as it really runs; the app provides them."""
 
     def tracker(self) -> TrackerThread:
         """The hand tracker in its thread."""
@@ -69,24 +68,24 @@ class Parts(Protocol):
         """The sensing before its first frame."""
 
     def publisher(self, watch: Stopwatch, port: int) -> tuple[Publishes, Callable[[], None]]:
-        """What sends to a port of this machine, with laps around it; and how to close it."""
+        """A publisher to a port of this machine, with laps around it; and how to close it."""
 
     def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
         """The paper's order with a hand tracker of its own; and how to close it."""
 
 
-class _Told:
-    """A publisher that says when the sensing is done, and when a frame's packet has gone."""
+class _TimedPublisher:
+    """A publisher that records when the sensing is done, and when a frame's packet is sent."""
 
     def __init__(self, publisher: Publishes, watch: Stopwatch) -> None:
         self._publisher = publisher
         self._watch = watch
         self.hands_ms: list[float] = []
 
-    def frame(self, told: TouchFrame) -> None:
+    def frame(self, frame: TouchFrame) -> None:
         self._watch.lap("sense")
-        self._publisher.frame(told)
-        self._watch.end(told)
+        self._publisher.frame(frame)
+        self._watch.end(frame)
 
     def scene(self, state: State) -> None:
         self._publisher.scene(state)
@@ -97,61 +96,65 @@ class _Told:
         self._publisher.health(vitals)
 
 
-def run(take: Take, parts: Parts, listener: Listener, rounds: int) -> Iterator[Block]:
-    """Play the take twice a round, once through each; every other round the other goes first."""
+def run(
+    recording: LatencyRecording, parts: Parts, listener: Listener, rounds: int
+) -> Iterator[Block]:
+    """Run the recording twice per round, once through each; the first one alternates."""
     for number in range(rounds):
         order: tuple[Arrangement, ...] = ("ours", "sequential")
         for arrangement in order if number % 2 == 0 else order[::-1]:
-            yield _block(arrangement, take, parts, listener)
+            yield _block(arrangement, recording, parts, listener)
 
 
-def _block(arrangement: Arrangement, take: Take, parts: Parts, listener: Listener) -> Block:
+def _block(
+    arrangement: Arrangement, recording: LatencyRecording, parts: Parts, listener: Listener
+) -> Block:
     watch = Stopwatch()
-    player = Player(take.captures, take.camera, take.kind, watch)
+    source = PacedSource(recording.frames, recording.camera, recording.kind, watch)
     publisher, close = parts.publisher(watch, listener.port)
-    told = _Told(publisher, watch)
-    listener.heard()
+    timed = _TimedPublisher(publisher, watch)
+    listener.received()
     try:
         if arrangement == "ours":
-            spent = _ours(player, told, parts)
+            spent = _ours(source, timed, parts)
         else:
-            spent = _sequential(player, publisher, watch, parts)
+            spent = _sequential(source, publisher, watch, parts)
     finally:
         close()
     return Block(
         arrangement,
         tuple(watch.rows),
-        len(take.captures),
-        player.dropped,
+        len(recording.frames),
+        source.dropped,
         spent,
-        listener.heard(),
-        watch.unasked,
-        tuple(told.hands_ms),
+        listener.received(),
+        watch.extra_packets,
+        tuple(timed.hands_ms),
     )
 
 
-def _ours(player: Player, told: _Told, parts: Parts) -> Spent:
-    """Run the service's own loop, with the tracker beside it."""
+def _ours(source: PacedSource, timed: _TimedPublisher, parts: Parts) -> Spent:
+    """Run the service's own loop, with the tracker in parallel."""
     tracker = parts.tracker()
     try:
         while tracker.state == "starting":
             time.sleep(STARTING_S)
-        loop = LiveLoop(player, _never, tracker, parts.state(), told)
+        loop = LiveLoop(source, _never, tracker, parts.state(), timed)
         return _spent(loop.run)
     finally:
         tracker.close()
 
 
-def _sequential(player: Player, publisher: Publishes, watch: Stopwatch, parts: Parts) -> Spent:
+def _sequential(source: PacedSource, publisher: Publishes, watch: Stopwatch, parts: Parts) -> Spent:
     sequential, close = parts.sequential(watch)
     try:
-        return _spent(lambda: sequential.run(player, publisher.frame))
+        return _spent(lambda: sequential.run(source, publisher.frame))
     finally:
         close()
 
 
 def _spent(act: Callable[[], None]) -> Spent:
-    """Act, and say what it cost."""
+    """Run `act`, and measure its cost."""
     cpu_s, path_s, wait_ms = time.process_time(), time.thread_time(), _core_wait_ms()
     act()
     waited_ms = _core_wait_ms()
@@ -163,7 +166,7 @@ def _spent(act: Callable[[], None]) -> Spent:
 
 
 def _core_wait_ms() -> float | None:
-    """How long this thread has waited for a core in its life, as Linux counts it."""
+    """How long this thread has waited for a core so far, as Linux counts it."""
     if not SCHEDSTAT.is_file():
         return None
     _, waited_ns, _ = SCHEDSTAT.read_text().split()
@@ -171,4 +174,4 @@ def _core_wait_ms() -> float | None:
 
 
 def _never() -> Source:
-    raise AssertionError("what is held in memory is never lost")
+    raise AssertionError("a source in memory never reconnects")

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.evaluation.latency.blocks import Arrangement, Block
-from halo_service.evaluation.latency.simulate import Take, TrueContact
+from halo_service.evaluation.latency.simulate import LatencyRecording, TrueContact
 from halo_service.evaluation.latency.stopwatch import Row
 from halo_service.geometry.surface import Surface
 from halo_service.values import TouchEvent
 
 SAME_PLACE_MM = 25.0
-"""A down farther from a true contact than this is another's (the paper's target, 5.2)."""
+"""A down farther from a true contact belongs to another one (the paper's target, 5.2)."""
 EARLY_US, LATE_US = 50_000, 150_000
-"""A down may be told so long before a contact's beginning, or after it: one of 100 ms and the
-frame in which it is noticed."""
+"""A down belongs to a contact if it is sent this long before its beginning, or after it: a contact
+of 100 ms and the frame in which it is noticed."""
 MEDIAN_MS, P99_MS, RATIO, CONTACT_FRAMES = 5.0, 12.0, 5.0, 1.0
 """The goals."""
 
@@ -30,15 +30,15 @@ class Spread:
     median: float
     p95: float
     p99: float
-    most: float
+    largest: float
 
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """From a true contact to its down message; one sent before its contact counts as 0."""
+    """From a true contact to its down message; an early one counts as 0 ms."""
 
     true: int
-    told: int
+    reported: int
     early: int
     """Sent before their contact."""
     median_ms: float
@@ -53,7 +53,7 @@ class Figures:
     frames: int
     """Sent."""
     dropped: int
-    heard: int
+    received: int
     """Different frames that arrived at the client."""
     datagrams: int
     latency: Spread
@@ -64,35 +64,35 @@ class Figures:
     path_cpu_a_frame: float
     """The thread from frame to packet alone."""
     core_wait_a_frame: float | None
-    """How long that thread was kept off the cores, by other programs or by our own threads; None
-    where the system does not say."""
+    """How long that thread waited for a core, for other programs or our own threads; None where
+    the system does not say."""
     hands: Spread | None
-    """How much older than its frame the hands were that it was sensed with, of the medians of each
-    second; None where each frame waits for its own."""
+    """How much older than the frame its hands were, of the medians of each second; None where each
+    frame waits for its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """One figure beside what it shall be."""
+    """One figure and its limit."""
 
     name: str
     value: float
-    wanted: str
+    limit: str
     passed: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Both arrangements over one take."""
+    """Both arrangements over one recording."""
 
     source: str
     hands: int
-    """As many as the tracker looks for."""
+    """How many the tracker looks for."""
     ours: Figures
     sequential: Figures
     contacts: Contacts | None
-    """Of ours; None where the truth is not known, or nothing touched. The paper's touch is not
-    judged here, for its states were not held with its own signal."""
+    """Of ours; None where the truth is unknown, or nothing touched. The paper's touch is not
+    evaluated here, because its states were not measured with its own signal."""
 
     @property
     def ratio(self) -> float:
@@ -100,30 +100,32 @@ class Case:
         return self.sequential.latency.median / self.ours.latency.median
 
 
-def case_of(take: Take, hands: int, blocks: Sequence[Block], surface: Surface) -> Case:
+def case_of(
+    recording: LatencyRecording, hands: int, blocks: Sequence[Block], surface: Surface
+) -> Case:
     """Sum a run up."""
 
-    def played(arrangement: Arrangement) -> list[Block]:
+    def of(arrangement: Arrangement) -> list[Block]:
         return [block for block in blocks if block.arrangement == arrangement]
 
     delays_us = [
         delay_us
-        for block in played("ours")
-        for delay_us in _delays_us(take.contacts or (), block.rows, surface)
+        for block in of("ours")
+        for delay_us in _delays_us(recording.contacts or (), block.rows, surface)
     ]
     return Case(
-        take.name,
+        recording.name,
         hands,
-        _figures(played("ours")),
-        _figures(played("sequential")),
-        _contacts(delays_us, 1e6 / take.camera.fps),
+        _figures(of("ours")),
+        _figures(of("sequential")),
+        _contacts(delays_us, 1e6 / recording.camera.fps),
     )
 
 
 def goals(case: Case) -> tuple[Goal, ...]:
-    """Hold a case beside the goals."""
+    """Compare a case with the goals."""
     latency, contacts = case.ours.latency, case.contacts
-    judged = [
+    found = [
         Goal("received -> sent, median", latency.median, f"<= {MEDIAN_MS:g} ms",
              latency.median <= MEDIAN_MS),
         Goal("received -> sent, p99", latency.p99, f"<= {P99_MS:g} ms", latency.p99 <= P99_MS),
@@ -131,11 +133,11 @@ def goals(case: Case) -> tuple[Goal, ...]:
     ]  # fmt: skip
     if contacts is not None:
         frames = contacts.median_frames
-        judged.append(
+        found.append(
             Goal("contact -> down, median", frames, f"<= {CONTACT_FRAMES:g} frame",
                  frames <= CONTACT_FRAMES)
         )  # fmt: skip
-    return tuple(judged)
+    return tuple(found)
 
 
 def _figures(blocks: Sequence[Block]) -> Figures:
@@ -145,8 +147,8 @@ def _figures(blocks: Sequence[Block]) -> Figures:
     return Figures(
         frames=len(rows),
         dropped=sum(block.dropped for block in blocks),
-        heard=sum(block.heard.frames - block.unasked for block in blocks),
-        datagrams=sum(block.heard.datagrams for block in blocks),
+        received=sum(block.received.frames - block.extra_packets for block in blocks),
+        datagrams=sum(block.received.datagrams for block in blocks),
         latency=_percentiles([row.latency_ns / 1e6 for row in rows]),
         stages={
             name: _percentiles([row.stages_ns.get(name, 0) / 1e6 for row in rows]) for name in names
@@ -159,8 +161,8 @@ def _figures(blocks: Sequence[Block]) -> Figures:
 
 
 def _percentiles(times_ms: Sequence[float]) -> Spread:
-    median, p95, p99, most = np.percentile(times_ms, (50, 95, 99, 100)).tolist()
-    return Spread(median, p95, p99, most)
+    median, p95, p99, largest = np.percentile(times_ms, (50, 95, 99, 100)).tolist()
+    return Spread(median, p95, p99, largest)
 
 
 def _a_frame(block_ms: Sequence[float | None], frames: int) -> float | None:
@@ -169,12 +171,12 @@ def _a_frame(block_ms: Sequence[float | None], frames: int) -> float | None:
 
 
 def _contacts(delays_us: Sequence[float | None], period_us: float) -> Contacts | None:
-    told = [each for each in delays_us if each is not None]
-    if not told:
+    known = [each for each in delays_us if each is not None]
+    if not known:
         return None
-    early = sum(each < 0.0 for each in told)
-    median, p95 = np.percentile(np.maximum(told, 0.0), (50, 95)).tolist()
-    return Contacts(len(delays_us), len(told), early, median / 1e3, p95 / 1e3, median / period_us)
+    early = sum(each < 0.0 for each in known)
+    median, p95 = np.percentile(np.maximum(known, 0.0), (50, 95)).tolist()
+    return Contacts(len(delays_us), len(known), early, median / 1e3, p95 / 1e3, median / period_us)
 
 
 def _delays_us(
@@ -193,7 +195,7 @@ def _delays_us(
         if index is None:
             delays.append(None)
         else:
-            row, _ = downs.pop(index)  # one down tells one contact
+            row, _ = downs.pop(index)  # one down belongs to one contact
             delays.append(row.time_us - contact.from_us + row.latency_ns / 1e3)
     return delays
 

@@ -1,7 +1,7 @@
-"""A client in a process of its own, which hears what is sent and counts it.
+"""A client in its own process that receives packets and counts them.
 
 `python -m halo_service.evaluation.latency.listener` writes its port, then, for each line that it
-reads, one line of JSON with what it has heard since the last.
+reads, one line of JSON with what it has received since the last.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import halo_protocol as wire
 
 QUIET_S = 0.2
-"""When nothing more has come for so long, all has come: it is one machine."""
+"""After so long without a packet all have arrived: it is one machine."""
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class Received:
     """What arrived."""
 
     datagrams: int
@@ -40,12 +40,12 @@ class Listener:
         )
         self.port = int(self._line())
 
-    def heard(self) -> Heard:
-        """What has come since this was last asked."""
+    def received(self) -> Received:
+        """What has arrived since the last call."""
         assert self._process.stdin is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()
-        return Heard(**json.loads(self._line()))
+        return Received(**json.loads(self._line()))
 
     def close(self) -> None:
         """End the client."""
@@ -66,24 +66,24 @@ def main() -> None:
     """Listen until stdin ends."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         client.bind(("127.0.0.1", 0))
-        _say(str(client.getsockname()[1]))
+        _write(str(client.getsockname()[1]))
         datagrams, frames = 0, set[tuple[str, int]]()
-        asked = False
+        reporting = False
         while True:
-            ready, _, _ = select.select([client, sys.stdin], [], [], QUIET_S if asked else None)
+            ready, _, _ = select.select([client, sys.stdin], [], [], QUIET_S if reporting else None)
             if client in ready:
                 datagrams += 1
                 frames |= _frames(client.recv(65_536))
             elif sys.stdin in ready:
                 if not sys.stdin.readline():
                     return
-                asked = True
-            elif asked:
-                _say(json.dumps({"datagrams": datagrams, "frames": len(frames)}))
-                datagrams, frames, asked = 0, set(), False
+                reporting = True
+            elif reporting:
+                _write(json.dumps({"datagrams": datagrams, "frames": len(frames)}))
+                datagrams, frames, reporting = 0, set(), False
 
 
-def _say(line: str) -> None:
+def _write(line: str) -> None:
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 

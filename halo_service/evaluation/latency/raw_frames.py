@@ -1,4 +1,4 @@
-"""Frames as a device hands them over, held in memory and played at their own pace."""
+"""Frames as a device delivers them, held in memory and replayed at their own pace."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from halo_service.sources import EndOfSource
 from halo_service.values import Frame, SourceKind
 
 JPEG_QUALITY = 90
-"""Of colour that was drawn; the Kinect's own JPEG is about as large."""
+"""Of simulated colour; the Kinect's own JPEG is about as large."""
 LEAD_NS = 50_000_000
-"""From the first time somebody asks to the first frame."""
+"""From the first `read` to the first frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Handed:
+class RawFrame:
     """One capture before anything is decoded."""
 
     time_us: int
@@ -34,46 +34,46 @@ class Handed:
     """The colour as the camera sends it, or None."""
 
 
-def handed(frame: Frame) -> Handed:
-    """Turn a frame back into what a device would have handed over."""
-    return Handed(frame.time_us, frame.depth.tobytes(), frame.ir.tobytes(), _jpeg(frame.colour))
+def to_raw(frame: Frame) -> RawFrame:
+    """Turn a frame back into what a device would have delivered."""
+    return RawFrame(frame.time_us, frame.depth.tobytes(), frame.ir.tobytes(), _jpeg(frame.colour))
 
 
-def unpacked(each: Handed, camera: Camera) -> Frame:
-    """Make a frame of it; depth and IR are views of its bytes, the JPEG stays one."""
+def unpack(each: RawFrame, camera: Camera) -> Frame:
+    """Return the frame; depth and IR are views of the bytes, the JPEG stays a JPEG."""
     shape = (camera.depth.height, camera.depth.width)
     depth = np.frombuffer(each.depth, np.uint16).reshape(shape)
     ir = np.frombuffer(each.ir, np.uint16).reshape(shape)
     return Frame(each.time_us, depth, ir, each.jpeg)
 
 
-class Player:
-    """A `Source` that hands out a take once, at the take's own pace.
+class PacedSource:
+    """A `Source` that replays frames once, at their own pace.
 
-    A reader that is late gets the newest frame, as from a camera: what it missed is counted in
-    `dropped`, and how long the frame has waited for it is the frame's first stage.
+    A late reader gets the newest frame, as from a camera: missed ones are counted in `dropped`,
+    and the frame's wait for the reader is its first stage.
     """
 
     def __init__(
-        self, take: Sequence[Handed], camera: Camera, kind: SourceKind, watch: Stopwatch
+        self, frames: Sequence[RawFrame], camera: Camera, kind: SourceKind, watch: Stopwatch
     ) -> None:
-        """`take`: at least one capture, by time."""
+        """`frames`: at least one, by time."""
         self.camera = camera
         self.kind = kind
         self.dropped = 0
-        self._take = take
+        self._frames = frames
         self._watch = watch
         self._next = 0
         self._began_ns: int | None = None
 
     def read(self, timeout_s: float) -> Frame | None:
-        """Give the next capture once it is due, or the newest that is."""
+        """Return the next capture once it is due, or the newest that is."""
         now_ns = time.perf_counter_ns()
         if self._began_ns is None:
             self._began_ns = now_ns + LEAD_NS
-        if self._next == len(self._take):
+        if self._next == len(self._frames):
             raise EndOfSource
-        while self._next + 1 < len(self._take) and self._due_ns(self._next + 1) <= now_ns:
+        while self._next + 1 < len(self._frames) and self._due_ns(self._next + 1) <= now_ns:
             self._next += 1
             self.dropped += 1
         due_ns = self._due_ns(self._next)
@@ -81,20 +81,20 @@ class Player:
         time.sleep(max(0.0, min(wait_s, timeout_s)))
         if wait_s > timeout_s:
             return None
-        each = self._take[self._next]
+        each = self._frames[self._next]
         self._next += 1
         self._watch.begin(each.time_us, due_ns)
         self._watch.lap("wait")
-        frame = unpacked(each, self.camera)
+        frame = unpack(each, self.camera)
         self._watch.lap("unpack")
         return frame
 
     def close(self) -> None:
-        """There is nothing to let go."""
+        """Nothing to release."""
 
     def _due_ns(self, number: int) -> int:
         assert self._began_ns is not None  # `read` begins
-        return self._began_ns + 1000 * (self._take[number].time_us - self._take[0].time_us)
+        return self._began_ns + 1000 * (self._frames[number].time_us - self._frames[0].time_us)
 
 
 def _jpeg(colour: NDArray[np.uint8] | bytes | None) -> bytes | None:

@@ -1,4 +1,4 @@
-"""The paper's regressor itself, which the sequential order asks for every finger (4.3.4)."""
+"""The paper's regressor itself, which the sequential order runs for every finger (4.3.4)."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from halo_calibration.solvers.correction import Base, boosted
 from halo_service.profile import Profile
 
 LEAST_SAMPLES = 200
-"""Fewer make no trees of 31 leaves with 25 samples each."""
+"""Fewer cannot fill trees of 31 leaves with 25 samples each."""
 LEAST_EXPECTED = 0.05
-"""As in the calibration: nothing is divided by less."""
+"""As in the calibration: the least divisor."""
 
 
 class Regressor:
-    """How strong a touch's halo is expected to be somewhere, one sample at a time."""
+    """Expected strength of a touch's halo at a place, one sample at a time."""
 
     def __init__(self, fitted: Any) -> None:
         """`fitted`: predicts from (N, 4) x, y in mm, pitch and yaw in degrees."""
@@ -24,8 +24,8 @@ class Regressor:
 
     def expect(self, x_mm: float, y_mm: float, pitch_deg: float, yaw_deg: float) -> float:
         """Return the relative signal, by the trees and not by a grid made of them."""
-        asked = np.array([[x_mm, y_mm, pitch_deg, yaw_deg]])
-        return max(float(self._fitted.predict(asked)[0]), LEAST_EXPECTED)
+        place = np.array([[x_mm, y_mm, pitch_deg, yaw_deg]])
+        return max(float(self._fitted.predict(place)[0]), LEAST_EXPECTED)
 
 
 def regressor_for(profile: Profile, base: Base | None) -> Regressor | None:

@@ -1,8 +1,8 @@
 """The paper's order: each frame goes through all stages, the hand tracker among them.
 
-As one would write it from section 4.3, with what this house has where the paper is silent: the
-colour warp is ours, which is faster than the SDK's, and so are encoding and sending. The touch
-is the rival's of `halo evaluate`, to the letter; the regressor is asked itself, not a grid of it.
+As one would write it from section 4.3, with our own parts where the paper is silent: the colour
+warp, which is faster than the SDK's, the encoding and the sending. The touch is the rival's of
+`halo evaluate`, to the letter; the regressor itself runs, not a grid of it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Finder(Protocol):
 
 
 class Sequential:
-    """Senses one take in the paper's order, lap by lap."""
+    """Senses frames in the paper's order, lap by lap."""
 
     def __init__(
         self,
@@ -61,16 +61,16 @@ class Sequential:
         self._warp = ColourWarp(profile.camera, background_mm)
 
     def run(self, source: Source, publish: Callable[[TouchFrame], None]) -> None:
-        """Take frames until the source ends; each is published before the next is taken."""
+        """Read frames until the source ends; each is published before the next is read."""
         while True:
             try:
                 frame = source.read(READ_S)
             except EndOfSource:
                 return
             if isinstance(frame, Frame):
-                told = self.sensed(frame)
-                publish(told)
-                self._watch.end(told)
+                sensed = self.sensed(frame)
+                publish(sensed)
+                self._watch.end(sensed)
 
     def sensed(self, frame: Frame) -> TouchFrame:
         """Sense one frame."""
@@ -83,12 +83,12 @@ class Sequential:
         lap("blend")
         tracked = self._finder.find(picture, frame.time_us)
         lap("hands")
-        told, self._state = PAPER.step(self._state, frame, tracked)
+        sensed, self._state = PAPER.step(self._state, frame, tracked)
         lap("touch")
-        return told
+        return sensed
 
     def _corrected(self, reading: Reading, correction: Correction | None) -> float:
-        """Give a signal as it would read where the states were held."""
+        """Return the signal at the place where the states were held."""
         del correction  # the grid that ours interpolates
         self._watch.lap("halo")
         place = (*reading.place_mm, reading.pitch_deg, reading.yaw_deg)

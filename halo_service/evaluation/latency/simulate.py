@@ -1,4 +1,4 @@
-"""Takes of the virtual Kinect, drawn before anything is measured."""
+"""Recordings of the virtual camera, simulated before anything is measured."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halo_service.evaluation.latency.raw_frames import Handed, handed
+from halo_service.evaluation.latency.raw_frames import RawFrame, to_raw
 from halo_service.geometry.camera import Camera
 from halo_service.values import SourceKind
 from halo_service.virtual.camera import FPS
@@ -30,35 +30,36 @@ class TrueContact:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Take:
-    """What both arrangements are given."""
+class LatencyRecording:
+    """The frames for both arrangements."""
 
     name: str
     kind: SourceKind
     camera: Camera
-    captures: tuple[Handed, ...]
+    frames: tuple[RawFrame, ...]
     contacts: tuple[TrueContact, ...] | None
-    """None where nobody knows the truth."""
+    """None where the truth is unknown."""
 
 
-def draw(name: str, request: SimRequest, seconds: float, tick: Callable[[], object]) -> Take:
-    """Draw a scenario at full quality, from where its hands are there; 33.3 ms a frame.
+def simulate(
+    name: str, request: SimRequest, seconds: float, tick: Callable[[], object]
+) -> LatencyRecording:
+    """Simulate a scenario at full quality from OPENING_S on; 33.3 ms per frame, none dropped.
 
-    `tick` is called after each frame. No frame is dropped: how often a device does is not at
-    stake here.
+    `tick` is called after each frame.
     """
-    acting, sensor = start_scenario(request.scenario, request.room), Sensor(request.room)
+    scenario, sensor = start_scenario(request.scenario, request.room), Sensor(request.room)
     first = round(OPENING_S * FPS)
-    captures: list[Handed] = []
+    frames: list[RawFrame] = []
     contacts: list[TrueContact] = []
     for index in range(first + round(seconds * FPS)):
         t_s = index / FPS
-        stage = acting.at(t_s)
-        ended = acting.ended_contacts(t_s)
+        moment = scenario.at(t_s)
+        ended = scenario.ended_contacts(t_s)
         if index < first:
             continue
         time_us = round(t_s * 1e6)
-        captures.append(handed(sensor.frame(time_us, stage.hands, stage.things)))
+        frames.append(to_raw(sensor.frame(time_us, moment.hands, moment.things)))
         for each in ended:
             place = sensor.surface.to_camera(np.array([[each.x_mm, each.y_mm, 0.0]]))[0]
             x, y, z = place.tolist()
@@ -66,6 +67,6 @@ def draw(name: str, request: SimRequest, seconds: float, tick: Callable[[], obje
                 TrueContact(round(each.from_s * 1e6), round(each.to_s * 1e6), (x, y, z))
             )
         tick()
-    began_us = captures[0].time_us
-    seen_whole = tuple(each for each in contacts if each.from_us > began_us)
-    return Take(name, "virtual", sensor.camera, tuple(captures), seen_whole)
+    began_us = frames[0].time_us
+    whole = tuple(each for each in contacts if each.from_us > began_us)
+    return LatencyRecording(name, "virtual", sensor.camera, tuple(frames), whole)

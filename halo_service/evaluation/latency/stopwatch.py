@@ -1,4 +1,4 @@
-"""Where the time of each frame goes, from when it was there to when its packet was gone.
+"""Where the time of each frame goes, from its arrival to the sending of its packet.
 
 Rule: laps leave no gap, so the stages of a frame add up to its latency.
 """
@@ -15,14 +15,14 @@ from halo_service.values import TouchEvent, TouchFrame
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One frame that was told."""
+    """One published frame."""
 
     time_us: int
     """On the frames' clock."""
     stages_ns: Mapping[str, int]
     """By name, in the order in which they came."""
     events: tuple[TouchEvent, ...]
-    """What its packet told."""
+    """The events in its packet."""
 
     @property
     def latency_ns(self) -> int:
@@ -35,46 +35,46 @@ class Stopwatch:
 
     def __init__(self) -> None:
         self.rows: list[Row] = []
-        self.unasked = 0
-        """Packets that told of no frame: the loop's farewell."""
+        self.extra_packets = 0
+        """Packets without a frame: the loop's last one."""
         self._time_us: int | None = None
         """Of the frame on its way; None between frames."""
         self._lap_ns = 0
         self._stages: dict[str, int] = {}
 
     def begin(self, time_us: int, received_ns: int) -> None:
-        """Start with a frame that was there at `received_ns` of `time.perf_counter_ns`."""
+        """Start with a frame that arrived at `received_ns` of `time.perf_counter_ns`."""
         self._time_us, self._lap_ns, self._stages = time_us, received_ns, {}
 
     def lap(self, stage: str) -> None:
-        """Say that a stage has ended; what is sent between frames is nobody's stage."""
+        """End a stage; between frames there is none."""
         if self._time_us is None:
             return
         now_ns = time.perf_counter_ns()
         self._stages[stage] = self._stages.get(stage, 0) + now_ns - self._lap_ns
         self._lap_ns = now_ns
 
-    def end(self, told: TouchFrame) -> None:
-        """Say that the frame's packet has gone, at the last lap."""
+    def end(self, frame: TouchFrame) -> None:
+        """The frame's packet was sent at the last lap."""
         if self._time_us is None:
-            self.unasked += 1
+            self.extra_packets += 1
         else:
-            self.rows.append(Row(self._time_us, self._stages, told.events))
+            self.rows.append(Row(self._time_us, self._stages, frame.events))
         self._time_us = None
 
 
 class Carries(Protocol):
-    """What takes datagrams away: an output's carrier."""
+    """What sends datagrams: an output's carrier."""
 
     def send(self, kind: str, datagrams: list[bytes]) -> None:
         """Send the datagrams of one message or frame."""
 
     def close(self) -> None:
-        """Let go of the socket."""
+        """Release the socket."""
 
 
 class TimedCarrier:
-    """A carrier with laps around it: before it the frame was encoded, in it it was sent."""
+    """A carrier with laps: the frame is encoded before it and sent in it."""
 
     def __init__(self, carrier: Carries, watch: Stopwatch) -> None:
         self._carrier = carrier

@@ -1,8 +1,8 @@
-"""The methods that the bench runs on the same frames: ours and its rivals.
+"""The methods that the evaluation runs on the same frames: ours and its rivals.
 
-Rule: ideas are free, code of others is not taken. A rival is as good as it can honestly be: its
-constants were chosen on tuning users (201 to 203), by the F1 of their touches alone and not by
-places, heights or forces; never on those that are reported.
+Rule: the rivals are written from their papers, without code of others, and as good as they can
+honestly be: their constants were chosen on tuning users (201 to 203) by the F1 of their touches
+alone, not by places, heights or forces; never on reported users.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from halo_service.evaluation.methods.wilson import WILSON
 from halo_service.runtime.method import OURS, Method
 
 METHODS: dict[str, Method[Any]] = {method.name: method for method in (OURS, PAPER, DIRECT, WILSON)}
-"""By the name that `--method` knows them by."""
-AS_CALIBRATED = tuple(name for name, method in METHODS.items() if method.learn is None)
-"""The names of those that a profile serves as `halo calibrate` makes it."""
+"""By the name for `--method`."""
+READS_PROFILE = tuple(name for name, method in METHODS.items() if method.learn is None)
+"""Methods that read a profile as `halo calibrate` makes it."""
 
-BY_SURFACE = (DIRECT.name, WILSON.name)
-"""The names of those that go by the empty surface alone, without any touch states."""
+NEEDS_NO_STATES = (DIRECT.name, WILSON.name)
+"""Methods that need the empty surface alone, and no touch states."""
 
 
 def method_named(name: str) -> Method[Any]:
-    """Return a method by its name; raises `UserError` that tells the known ones."""
+    """Return a method by its name; raises `UserError` with the names for an unknown one."""
     if name not in METHODS:
-        raise UserError(f"unknown method '{name}'; known: {', '.join(METHODS)}")
+        raise UserError(f"unknown method '{name}'; choose from: {', '.join(METHODS)}")
     return METHODS[name]

@@ -1,6 +1,6 @@
-"""The empty surface as the rivals that need no hand tracker see it: heights above it.
+"""The empty surface for rivals that need no hand tracker: heights above it.
 
-Rule: only the part of the image in which a finger can be near the surface is looked at.
+Rule: only the part of the image in which a finger can be near the surface is used.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from halo_service.profile import Profile
 from halo_service.values import Depth
 
 AROUND_MM = 60.0
-"""So far around the surface the image is looked at (chosen: a hand's width beyond the edge)."""
+"""The image is used this far around the surface (chosen: a hand's width beyond the edge)."""
 
 Heights = NDArray[np.float32]
 Pixel = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class EmptySurface:
     """The empty surface within a window of the image."""
 
     rows: slice
@@ -37,7 +37,7 @@ class Ground:
     """(h, w) where the empty surface was measured."""
 
 
-def ground_of(profile: Profile) -> Ground:
+def crop_empty_surface(profile: Profile) -> EmptySurface:
     """Cut the window out of a profile's background."""
     surface, lens = profile.surface, profile.camera.depth
     corners = [
@@ -50,7 +50,7 @@ def ground_of(profile: Profile) -> Ground:
     rows = slice(max(int(top), 0), min(max(int(bottom), 0), lens.height))
     columns = slice(max(int(left), 0), min(max(int(right), 0), lens.width))
     background = profile.background
-    return Ground(
+    return EmptySurface(
         rows,
         columns,
         background.mean_mm[rows, columns],
@@ -59,7 +59,7 @@ def ground_of(profile: Profile) -> Ground:
     )
 
 
-def heights(ground: Ground, depth: Depth, drift_mm: float) -> Heights:
+def heights(ground: EmptySurface, depth: Depth, drift_mm: float) -> Heights:
     """Return (h, w) float32, mm: how much nearer each pixel is than the empty surface.
 
     0 where either measured nothing; `drift_mm`: how much farther the whole device reads by now.
@@ -71,7 +71,7 @@ def heights(ground: Ground, depth: Depth, drift_mm: float) -> Heights:
     return nearer
 
 
-def pixel_in(ground: Ground, column: float, row: float) -> Pixel:
+def pixel_in(ground: EmptySurface, column: float, row: float) -> Pixel:
     """Return the image's pixel for one of the window."""
     return column + ground.columns.start, row + ground.rows.start
 
@@ -79,7 +79,7 @@ def pixel_in(ground: Ground, column: float, row: float) -> Pixel:
 def point_at(
     px: Pixel, height_mm: float, camera: Camera, surface: Surface
 ) -> tuple[float, float, float]:
-    """Return what a pixel sees in the surface's frame, mm, if it sees something at a height."""
+    """Return the point of a pixel in the surface's frame, mm, if it is at that height."""
     ray = camera.depth.rays(np.array([px]))[0]
     normal, origin = surface.camera_from_surface[:3, 2], surface.camera_from_surface[:3, 3]
     scale = (normal @ origin - height_mm) / (normal @ ray)

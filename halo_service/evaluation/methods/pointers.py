@@ -1,7 +1,7 @@
-"""What all rivals need beside their idea: which finger is which, and what is told of it.
+"""What all rivals need besides their idea: which finger is which, and how to publish it.
 
-Ids by nearest neighbour; events are the difference of what was told before and now, so that a
-touch is told once and always ends.
+Ids by nearest neighbour; events are the difference between the last pointers and the new ones, so
+that a touch is reported once and always ends.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from halo_service.values import (
 )
 
 SAME_FINGER_MM = 80.0
-"""What is farther away than this is another finger."""
+"""A finger farther away than this is another one."""
 RANGE_HYSTERESIS_MM = 5.0
 """A live pointer may go this much farther than a new one may come in."""
 MOST_SLOTS = 10
 """Slots run from 0 to 9: two hands."""
 LEAST_PRESSURE = 0.02
-"""What a touch tells where no pressure is known."""
+"""Of a touch where the pressure is unknown."""
 UNKNOWN = math.nan
 
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """One finger in one frame, as a rival sees it."""
+    """One finger in one frame, as a rival measures it."""
 
     place_mm: tuple[float, float]
     """x, y on the surface."""
@@ -57,29 +57,29 @@ class Spot:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
-    """Who a spot is."""
+class Identity:
+    """Which pointer a spot belongs to."""
 
     id: int
     slot: int
     before: Pointer | None
-    """As last told; None for a newcomer."""
+    """As last published; None for a new one."""
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """What was told last, and the next id."""
+class Published:
+    """The last pointers, and the next id."""
 
     pointers: tuple[Pointer, ...] = ()
     time_us: int = 0
     next_id: int = 1
 
 
-def recognised(told: Told, spots: Sequence[Spot]) -> list[Known]:
-    """Say who each spot is: the live pointer nearest to it, or a newcomer."""
+def identify(last: Published, spots: Sequence[Spot]) -> list[Identity]:
+    """Match each spot with the nearest live pointer, or make it a new one."""
     pairs = sorted(
         (distance, i, j)
-        for i, pointer in enumerate(told.pointers)
+        for i, pointer in enumerate(last.pointers)
         for j, spot in enumerate(spots)
         if (distance := math.dist((pointer.x_mm, pointer.y_mm), spot.place_mm)) < SAME_FINGER_MM
     )
@@ -87,18 +87,18 @@ def recognised(told: Told, spots: Sequence[Spot]) -> list[Known]:
     for _, i, j in pairs:
         if j not in owner and i not in owner.values():
             owner[j] = i
-    ids = count(told.next_id)
-    slots = (slot for slot in count() if slot not in {each.slot for each in told.pointers})
-    known = []
+    ids = count(last.next_id)
+    slots = (slot for slot in count() if slot not in {each.slot for each in last.pointers})
+    found = []
     for j in range(len(spots)):
-        before = told.pointers[owner[j]] if j in owner else None
+        before = last.pointers[owner[j]] if j in owner else None
         fresh = (next(ids), next(slots)) if before is None else (before.id, before.slot)
-        known.append(Known(*fresh, before))
-    return known
+        found.append(Identity(*fresh, before))
+    return found
 
 
 def pointer_of(
-    known: Known,
+    identity: Identity,
     spot: Spot,
     touching: bool,
     surface: Surface,
@@ -106,15 +106,15 @@ def pointer_of(
     pressure: float = LEAST_PRESSURE,
     force_g: float = -1.0,
 ) -> Pointer:
-    """Make what is told of a finger. `seconds`: since it was told last."""
-    before, (x_mm, y_mm) = known.before, spot.place_mm
+    """Return the pointer of a finger. `seconds`: since it was published last."""
+    before, (x_mm, y_mm) = identity.before, spot.place_mm
     came_down = touching and (before is None or before.state is Touch.HOVER)
     moved = (x_mm - before.x_mm, y_mm - before.y_mm) if before else (0.0, 0.0)
     point = np.array([[x_mm, y_mm, -spot.height_mm]])
     camera_x, camera_y, camera_z = surface.to_camera(point)[0].tolist()
     return Pointer(
-        id=known.id,
-        slot=known.slot,
+        id=identity.id,
+        slot=identity.slot,
         side=spot.side,
         finger=spot.finger,
         state=Touch.TOUCH if touching else Touch.HOVER,
@@ -140,27 +140,29 @@ def pointer_of(
     )
 
 
-def within_reach(known: Known, spot: Spot, surface: Surface, range_mm: float, edge: float) -> bool:
-    """Say whether a spot is near enough to the surface and its edges to be a pointer."""
-    slack = 0.0 if known.before is None else RANGE_HYSTERESIS_MM
+def within_reach(
+    identity: Identity, spot: Spot, surface: Surface, range_mm: float, edge: float
+) -> bool:
+    """Whether a spot is near enough to the surface and its edges to be a pointer."""
+    slack = 0.0 if identity.before is None else RANGE_HYSTERESIS_MM
     x_mm, y_mm = spot.place_mm
     return (
-        known.slot < MOST_SLOTS
+        identity.slot < MOST_SLOTS
         and spot.height_mm <= range_mm + slack
         and -edge - slack <= x_mm <= surface.width_mm + edge + slack
         and -edge - slack <= y_mm <= surface.height_mm + edge + slack
     )
 
 
-def tell(
-    told: Told,
+def publish(
+    last: Published,
     pointers: Sequence[Pointer],
     time_us: int,
     profile: Profile | None,
     ago_ms: float = 0.0,
-) -> tuple[TouchFrame, Told]:
-    """Publish what is true now. `ago_ms`: how old the frame is that it was seen in."""
-    past = {pointer.id: pointer for pointer in told.pointers}
+) -> tuple[TouchFrame, Published]:
+    """Publish the new pointers. `ago_ms`: age of the frame that shows them."""
+    past = {pointer.id: pointer for pointer in last.pointers}
     now = {pointer.id: pointer for pointer in pointers}
     events = [
         event
@@ -171,10 +173,10 @@ def tell(
     shown = (surface.name, surface.width_mm, surface.height_mm) if surface else DEFAULT_SURFACE
     frame = TouchFrame(time_us, *shown, tuple(pointers), tuple(events))
     return frame, replace(
-        told,
+        last,
         pointers=tuple(pointers),
         time_us=time_us,
-        next_id=max([told.next_id, *(each + 1 for each in now)]),
+        next_id=max([last.next_id, *(each + 1 for each in now)]),
     )
 
 
@@ -190,7 +192,7 @@ def _change(past: Pointer | None, now: Pointer | None, ago_ms: float) -> TouchEv
         slot=shown.slot,
         x_mm=shown.x_mm,
         y_mm=shown.y_mm,
-        strike_mm_s=0.0,  # no rival tells how hard a finger struck
+        strike_mm_s=0.0,  # no rival measures the strike
         ago_ms=ago_ms,
         contacts=shown.contacts,
     )

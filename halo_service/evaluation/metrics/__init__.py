@@ -1,1 +1,1 @@
-"""What the published frames are worth: pure functions of the frames and of the truth."""
+"""What the published frames are worth: pure functions of published frames and truth."""

@@ -1,59 +1,54 @@
-"""Whether a method knows when it may be wrong: what was told surely, and what was not.
+"""Whether a method knows when it may be wrong: touches reported with high and low confidence.
 
-A guest can leave out what is told unsurely, and has nothing to doubt the rest by. So a touch may be
-told wrongly, but not surely; and right ones are to be told surely, or the confidence is worth
-nothing.
+A client can ignore touches with low confidence, but has no reason to doubt the others. So a wrong
+touch should have low confidence, and a right one high confidence, or the confidence is worthless.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from halo_service.evaluation.metrics.touches import Down, Touches
 from halo_type.layout import KEY_MM
 
-SURE = 0.75
-"""Chosen: what is told with at least this confidence is told surely."""
+HIGH_CONFIDENCE = 0.75
+"""Chosen: confidence is high from here on."""
 FAR_MM = KEY_MM / 2.0
-"""Half a key, chosen: told farther off than that, a touch in the middle of a key is another key's.
+"""Half a key, chosen: a touch in the middle of a key that is reported farther off is another key's.
 The 25 mm within which the paper counts a touch (5.2.1) would let three keys pass."""
 
 
 @dataclass(frozen=True, slots=True)
-class Sureness:
-    """Published touches that told a true one where it was, and all others."""
+class Confidence:
+    """Counts of published touches: right or wrong, with high or low confidence."""
 
-    right_surely: int = 0
-    right_unsurely: int = 0
-    wrong_surely: int = 0
-    wrong_unsurely: int = 0
-
-    def __add__(self, other: Sureness) -> Sureness:
-        """Both takes together."""
-        return Sureness(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+    right_high: int = 0
+    right_low: int = 0
+    wrong_high: int = 0
+    wrong_low: int = 0
 
     @property
     def right(self) -> int:
-        """How many were right."""
-        return self.right_surely + self.right_unsurely
+        """All right touches."""
+        return self.right_high + self.right_low
 
     @property
-    def told(self) -> int:
-        """How many there were."""
-        return self.right + self.wrong_surely + self.wrong_unsurely
+    def reported(self) -> int:
+        """All published touches."""
+        return self.right + self.wrong_high + self.wrong_low
 
 
-def score_sureness(touches: Touches) -> Sureness:
-    """Count them; wrong is what was doubled, outside or a ghost, and a hit told FAR_MM off."""
+def score_confidence(touches: Touches) -> Confidence:
+    """Count them. Wrong: doubled, outside, a ghost, or a hit farther than FAR_MM off."""
     right = [hit.down for hit in touches.hits if hit.off_mm <= FAR_MM]
     wrong = [hit.down for hit in touches.hits if hit.off_mm > FAR_MM]
     wrong += [*touches.doubled, *touches.outside, *touches.ghosts]
-    return Sureness(*_surely(right), *_surely(wrong))
+    return Confidence(*_high_and_low(right), *_high_and_low(wrong))
 
 
-def _surely(downs: Sequence[Down]) -> tuple[int, int]:
-    """Return how many were told surely, and how many not; who says nothing warns of nothing."""
-    surely = sum(math.isnan(down.confidence) or down.confidence >= SURE for down in downs)
-    return surely, len(downs) - surely
+def _high_and_low(downs: Sequence[Down]) -> tuple[int, int]:
+    """Count downs with high and with low confidence; without any confidence counts as high."""
+    high = sum(math.isnan(down.confidence) or down.confidence >= HIGH_CONFIDENCE for down in downs)
+    return high, len(downs) - high

@@ -1,14 +1,14 @@
-"""Typing: which key was struck, which key was told, and what text came of it.
+"""Typing: which key was struck, which key was reported, and which text results.
 
-The virtual typist strikes each character of a phrase once and never deletes: errors are the
-hand's own scatter and the sensing's. So keys are judged only where the finger truly landed well
-inside one, and the text's error rates stand beside what a perfect sensor would have typed.
+The virtual typist strikes each character of a phrase once and never deletes: errors come from the
+hand's own scatter and from the sensing. So keys count only where the finger landed well inside
+one, and the report compares the text with what a perfect sensor would have typed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import accumulate
 from math import dist
 
@@ -19,37 +19,33 @@ from halo_type.layout import key_at
 from halo_type.metrics import Entry, Typed, typed
 
 INSIDE_MM = 2.0
-"""A finger that landed this far inside a key meant that key."""
+"""A finger that landed this far inside a key aimed at that key."""
 PAUSE_US = 1_600_000
-"""Between two phrases the typist rests for longer, within one never."""
+"""The typist pauses longer between two phrases, and never within one."""
 SHORTEST = 5
-"""Characters; the piece of a phrase that the take's end left over is no phrase."""
+"""Characters; a shorter piece at the recording's end is no phrase."""
 
 
 @dataclass(frozen=True, slots=True)
 class Keys:
-    """Keystrokes that landed well inside a key, and the downs that told them."""
+    """Keystrokes that landed well inside a key."""
 
     struck: int = 0
     wrong: int = 0
-    """Told as another key, or as none."""
+    """Reported as another key, or as none."""
     missed: int = 0
     doubled: int = 0
-    """Further downs of those keystrokes that would have typed the same or another character."""
-
-    def __add__(self, other: Keys) -> Keys:
-        """Both takes together."""
-        return Keys(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+    """Further downs for those keystrokes that would have typed another character."""
 
 
 @dataclass(frozen=True, slots=True)
 class Phrase:
-    """One phrase as it came out."""
+    """One phrase as it was typed."""
 
     presented: str
     typed: Typed
     perfect: Typed
-    """What a sensor would have made of the same touches that tells each where it was."""
+    """What a perfect sensor would have typed from the same touches."""
 
 
 def score_keys(touches: Touches) -> Keys:
@@ -68,19 +64,20 @@ def score_keys(touches: Touches) -> Keys:
 
 
 def score_phrases(touches: Touches) -> tuple[Phrase, ...]:
-    """Judge every phrase that was typed."""
-    struck = [hit.touch for hit in touches.hits] + list(touches.missed) + list(touches.blind)
-    struck = sorted((t for t in struck if t.key is not None), key=lambda t: t.from_us)
+    """Evaluate every phrase that was typed."""
+    touched = [hit.touch for hit in touches.hits]
+    touched += [*touches.missed, *touches.between_frames]
+    struck = sorted((t for t in touched if t.key is not None), key=lambda t: t.from_us)
     downs = [hit.down for hit in touches.hits]
     downs += [*touches.doubled, *touches.outside, *touches.ghosts]
-    told = sorted((down.time_us, down.x_mm, down.y_mm) for down in downs)
+    reported = sorted((down.time_us, down.x_mm, down.y_mm) for down in downs)
     phrases = [phrase for phrase in _phrases(struck) if len(phrase) >= SHORTEST]
-    return tuple(_phrase(phrase, told) for phrase in phrases)
+    return tuple(_phrase(phrase, reported) for phrase in phrases)
 
 
 def _struck(down: Down, touches: Touches) -> TrueTouch | None:
-    """Return the touch that a further down tells once more: of those it fits, the nearest."""
-    struck = [*(hit.touch for hit in touches.hits), *touches.missed, *touches.blind]
+    """Return the touch that a further down repeats: the nearest of those it fits."""
+    struck = [*(hit.touch for hit in touches.hits), *touches.missed, *touches.between_frames]
     return min(
         (touch for touch in struck if fits(down, touch)),
         key=lambda touch: dist((down.x_mm, down.y_mm), (touch.x_mm, touch.y_mm)),
@@ -89,7 +86,7 @@ def _struck(down: Down, touches: Touches) -> TrueTouch | None:
 
 
 def _inside(touch: TrueTouch | None) -> bool:
-    """Whether a finger landed well inside the key that it meant."""
+    """Whether a finger landed well inside the key that it aimed at."""
     if touch is None or touch.key is None:
         return False
     x, y = touch.x_mm, touch.y_mm
@@ -105,19 +102,19 @@ def _phrases(struck: Sequence[TrueTouch]) -> list[list[TrueTouch]]:
     return phrases
 
 
-def _phrase(phrase: Sequence[TrueTouch], told: Sequence[tuple[int, float, float]]) -> Phrase:
+def _phrase(phrase: Sequence[TrueTouch], reported: Sequence[tuple[int, float, float]]) -> Phrase:
     presented = "".join(touch.key or "" for touch in phrase)
     begin, end = phrase[0].from_us - PAUSE_US // 2, phrase[-1].from_us + PAUSE_US // 2
     true = [(touch.from_us, touch.x_mm, touch.y_mm) for touch in phrase]
     return Phrase(
         presented,
-        typed(presented, _entries(each for each in told if begin <= each[0] <= end)),
+        typed(presented, _entries(each for each in reported if begin <= each[0] <= end)),
         typed(presented, _entries(true)),
     )
 
 
 def _entries(strokes: Iterable[tuple[int, float, float]]) -> list[Entry]:
-    """Return the text after each stroke; one beside the keyboard types nothing."""
+    """Return the text after each stroke; a stroke outside the keyboard types nothing."""
     layout = keys()
     hit = [(time_us, key_at(layout, x, y)) for time_us, x, y in strokes]
     on = [(time_us, key) for time_us, key in hit if key is not None]

@@ -1,4 +1,4 @@
-"""What one method made of one task of one person."""
+"""The result of one method for one task of one user."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from halo_service.evaluation.metrics.scores import Scores
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """Whose take it was. A recording's subject has a name and nothing else that is known."""
+    """Who was recorded. Of a recording only the name is known."""
 
     name: str
     seed: int | None = None
@@ -24,17 +24,17 @@ class Result:
 
     subject: Subject
     task: str
-    """By its name in the matrix; a recording's is `recording`."""
+    """Its name in the plan; `recording` for a recording."""
     method: str
     scores: Scores | None
-    """None where the subject could not be calibrated for this method."""
+    """None where the method could not be calibrated for the subject."""
     refused: str = ""
-    """The sentence that says why, else empty."""
+    """Why it could not, in one sentence; else empty."""
     profile: str = ""
     """Hash of the profile."""
     settings: str = ""
     """Hash of the sensing's configuration."""
-    asked: bool = False
-    """Judged by what a script asked for: nobody knew the truth."""
+    by_script: bool = False
+    """Compared with what a script asked for, because the truth is unknown."""
     remark: str = ""
     """A sentence without which the method's figures would mislead."""

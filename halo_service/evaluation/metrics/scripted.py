@@ -1,9 +1,9 @@
-"""What was asked for, where nobody knows the truth: a person under a real camera.
+"""Scores by a script where the truth is unknown: a person under a real camera.
 
-Somebody follows a script: touch this cross once, rest the finger on this spacer, press until the
-scale shows that. What was told is judged against what was asked, as the paper's study did (5.2).
-So people's own errors are in every figure, and what only the truth tells (when exactly, how fast,
-whose finger) is left open.
+The person follows a script: touch this cross once, rest the finger on this spacer, press until the
+scale shows this. What is reported is compared with what the script asked for, as in the paper's
+study (5.2). So people's own errors are in every figure, and figures that need the truth (exact
+time, speed, which finger) stay empty.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from halo_service.evaluation.metrics.behaviour import Conduct
-from halo_service.evaluation.metrics.confidence import Sureness
+from halo_service.evaluation.metrics.behaviour import Behaviour
+from halo_service.evaluation.metrics.confidence import Confidence
 from halo_service.evaluation.metrics.levels import LEVELS
 from halo_service.evaluation.metrics.scores import Scores, score
 from halo_service.evaluation.metrics.truth import Line
@@ -22,16 +22,16 @@ from halo_service.geometry.surface import Surface
 from halo_service.values import TouchFrame
 
 TARGET = "target"
-"""Step of the script: one touch of `target_mm`, surface frame, while it lasts."""
-WHO = {"hand": "unknown", "finger": "index"}
-"""Nobody knows whose finger it was."""
+"""Step of the script: one touch of `target_mm`, surface frame, during the step."""
+UNKNOWN_FINGER = {"hand": "unknown", "finger": "index"}
+"""A script does not know the hand."""
 
 
-def score_asked(frames: Sequence[TouchFrame], script: Sequence[Line], surface: Surface) -> Scores:
-    """Judge published frames against a script alone; its times count from the first frame.
+def score_script(frames: Sequence[TouchFrame], script: Sequence[Line], surface: Surface) -> Scores:
+    """Compare published frames with a script alone; its times count from the first frame.
 
     Steps: `target` with its `target_mm`, `hover` with its `height_mm`, `pressure` with its
-    `force_g`. Touches told while no target was asked for are not judged.
+    `force_g`. Touches outside every `target` step are ignored.
     """
     if not frames:
         return score((), (), (), surface)
@@ -46,11 +46,11 @@ def score_asked(frames: Sequence[TouchFrame], script: Sequence[Line], surface: S
     scores = score(within, lines, script, surface)
     return replace(
         scores,
-        sureness=Sureness(),
+        confidence=Confidence(),
         timing=(),
         strikes=(),
         velocities=(),
-        conduct=Conduct(),
+        behaviour=Behaviour(),
         jumps=(),
         phrases=(),
     )
@@ -63,10 +63,10 @@ def _during(steps: Sequence[Line], frame: TouchFrame, start_us: int) -> Line | N
 
 
 def _contact(step: Line, start_us: int, surface: Surface) -> Line:
-    """Return the truth's line of a touch that lasts as long as it is asked for."""
+    """Return the truth's line of a touch that lasts as long as its step."""
     x, y = step["target_mm"]
     return {
-        "contact": WHO
+        "contact": UNKNOWN_FINGER
         | {
             "from_us": start_us + round(1e6 * step["from_s"]),
             "to_us": start_us + round(1e6 * step["to_s"]),
@@ -78,14 +78,14 @@ def _contact(step: Line, start_us: int, surface: Surface) -> Line:
 
 
 def _frame(frame: TouchFrame, script: Sequence[Line], start_us: int, surface: Surface) -> Line:
-    """Return the truth's line of a frame: a finger at the level asked for, where one is told."""
+    """Return a frame's line of truth: a finger at the script's level, at the lowest pointer."""
     step = _during([each for each in script if each.get("step") in LEVELS], frame, start_us)
     if step is None:
         return {"time_us": frame.time_us, "fingers": []}
     lowest = min(frame.pointers, key=lambda pointer: pointer.hover_mm, default=None)
     x, y = (lowest.x_mm, lowest.y_mm) if lowest else (0.0, 0.0)
     height_mm = float(step.get("height_mm", 0.0))
-    finger = WHO | {
+    finger = UNKNOWN_FINGER | {
         "camera_mm": surface.to_camera(np.array([[x, y, -height_mm]]))[0].tolist(),
         "height_mm": height_mm,
         "touching": False,

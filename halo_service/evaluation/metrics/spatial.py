@@ -1,9 +1,9 @@
-"""Where a touch was told to be, against where it was: in the plane, at the frame that told it.
+"""Where a touch was reported and where it was: in the plane, in the frame that reported it.
 
-Ours is measured from the pad's true place: of hits, so within 25 mm of the target, nothing else
-removed. The paper measured from the targets, so with the people's own scatter in it, after taking
-the common offset away and leaving out what lay beyond three standard deviations (5.3.2): that
-figure stands beside ours.
+Our error is measured from the pad's true place: of all hits, so within 25 mm of the target, with
+nothing else removed. The paper measured from the targets, so with the people's own scatter, after
+removing the common offset and outliers beyond three standard deviations (5.3.2). The report shows
+both.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from halo_service.evaluation.metrics.touches import Hit
 
 CHI2_95 = 5.991
-"""95 % of a normal cloud in the plane lies within this squared distance, in sigmas."""
+"""95 % of a normal cloud in the plane lie within this squared distance, in sigmas."""
 OUTLIER_SD = 3.0
 """Paper 5.3.2."""
 
 Errors = NDArray[np.float64]
-"""(N, 2) mm, told minus true, surface frame."""
+"""(N, 2) mm, reported minus true, surface frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +53,13 @@ class Spatial:
 
 
 def from_truth(hits: Sequence[Hit]) -> Errors:
-    """Return how far each touch was told from the pad's place in that frame."""
+    """Return how far each touch was reported from the pad's place in that frame."""
     rows = [(h.down.x_mm - h.true_mm[0], h.down.y_mm - h.true_mm[1]) for h in hits]
     return np.array(rows, np.float64).reshape(-1, 2)
 
 
 def from_target(hits: Sequence[Hit]) -> Errors:
-    """Return how far each touch that had a target was told from it."""
+    """Return how far each touch that had a target was reported from it."""
     rows = [
         (h.down.x_mm - h.touch.target_mm[0], h.down.y_mm - h.touch.target_mm[1])
         for h in hits
@@ -69,7 +69,7 @@ def from_target(hits: Sequence[Hit]) -> Errors:
 
 
 def as_the_paper(errors: Errors) -> Errors:
-    """Return errors from the targets without their common offset and without outliers."""
+    """Return errors from the targets without their common offset and outliers."""
     if not len(errors):
         return errors
     centred = np.asarray(errors - errors.mean(axis=0), np.float64)

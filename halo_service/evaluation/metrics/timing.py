@@ -1,40 +1,39 @@
-"""When a touch was told, against when it happened.
+"""When a touch was reported, compared with when it happened.
 
-Rule: on the frames' clock alone. What receiving, sensing and sending cost is `halo bench`'s to
-measure; this is how many frames the method needs to be sure, and how well it says when it was.
+Rule: on the frames' clock alone. `halo bench` measures what receiving, sensing and sending cost;
+here: how many frames the method needs, and how well it dates the contact.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from statistics import median
 
 from halo_service.evaluation.metrics.touches import Hit
 
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """One touch that was told."""
+    """One touch that was reported."""
 
     frames_late: int
-    """From the first frame taken in contact to the one that told it; 0: in that very frame."""
+    """From the first frame in contact to the frame that reported it; 0: in that very frame."""
     down_ms: float
-    """From contact to the frame that told it."""
+    """From contact to the frame that reported it."""
     down_ago_error_ms: float
     """Contact as `ago_ms` dates it, minus the true one; negative: dated too early."""
     up_ms: float | None
-    """From the contact's end to the frame that told that; None where none did."""
+    """From the contact's end to the frame that reported it; None where none did."""
     up_ago_error_ms: float | None
 
     @property
     def early(self) -> bool:
-        """Whether it was told before it happened."""
+        """Whether it was reported before it happened."""
         return self.down_ms < 0.0
 
     @property
     def late_ms(self) -> float:
-        """`down_ms`, 0 where it was early: what came too soon makes nothing else sooner."""
+        """`down_ms`; an early report counts as 0 ms, so it cannot hide late ones."""
         return max(self.down_ms, 0.0)
 
     @property
@@ -44,15 +43,8 @@ class Timing:
 
 
 def score_timing(hits: Sequence[Hit]) -> tuple[Timing, ...]:
-    """Time every touch that was told."""
+    """Time every touch that was reported."""
     return tuple(_timing(hit) for hit in hits if hit.touch.ended)
-
-
-def median_late(timing: Sequence[Timing]) -> tuple[float, float] | None:
-    """Return the medians of `late_ms` and of `late_frames`; None where nothing was timed."""
-    if not timing:
-        return None
-    return median(each.late_ms for each in timing), median(each.late_frames for each in timing)
 
 
 def _timing(hit: Hit) -> Timing:

@@ -1,8 +1,7 @@
-"""Touches: which true ones were recognised, and which published ones were none.
+"""Touches: which true ones were recognised, and which published ones are false.
 
 Rule: each true touch is scored once, and there are no retries. A published down belongs to a true
-touch by its time and its place alone; what the service says about how long ago it happened is
-judged (see `timing`), not believed.
+touch by its time and place alone; the published `ago_ms` is measured (see `timing`), not trusted.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from halo_service.values import Finger, Side, TouchEvent, TouchFrame
 WITHIN_MM = 25.0
 """A touch counts within this of its target (paper 5.2.1)."""
 EARLY_US = 70_000
-"""Chosen: two frames. A down before that was told of a finger in the air."""
+"""Chosen: two frames. An earlier down was reported for a finger in the air."""
 LATE_US = 100_000
 """Chosen: a frame of the paper's detector, one of its debounce, and one that was dropped."""
-NEVER = 1e12
-"""Cost of a pair that cannot be, us; any number far above the others."""
+IMPOSSIBLE_US = 1e12
+"""Cost of a pair that cannot match, us; any number far above the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +35,13 @@ class Down:
     side: Side
     finger: Finger
     time_us: int
-    """Of the frame that told it."""
+    """Of the frame that reported it."""
     x_mm: float
     y_mm: float
     strike_mm_s: float
     ago_ms: float
     up_us: int | None
-    """Of the frame that told its end; None where none did."""
+    """Of the frame that reported its end; None where none did."""
     up_ago_ms: float
     confidence: float = field(compare=False)
     """Of its pointer in that frame; nan, which equals nothing, where it had none."""
@@ -50,57 +49,57 @@ class Down:
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A true touch and the down that told it."""
+    """A true touch and the down that reported it."""
 
     touch: TrueTouch
     down: Down
     frames_late: int
-    """Frames from the first that was taken in contact to the one that told it; negative: early."""
+    """Frames from the first in contact to the one that reported it; negative: early."""
     true_mm: tuple[float, float]
-    """Where the pad was in the frame that told it, surface frame."""
+    """Where the pad was in the frame that reported it, surface frame."""
 
     @property
     def off_mm(self) -> float:
-        """How far from there it was told."""
+        """How far from there it was reported."""
         return math.dist((self.down.x_mm, self.down.y_mm), self.true_mm)
 
 
 @dataclass(frozen=True, slots=True)
 class Touches:
-    """How the touches of one take, or of many, fared."""
+    """The touches of one recording, or of many."""
 
     hits: tuple[Hit, ...] = ()
     missed: tuple[TrueTouch, ...] = ()
     doubled: tuple[Down, ...] = ()
     """Further downs during a touch that had one."""
     outside: tuple[Down, ...] = ()
-    """Told while a finger touched, but farther than WITHIN_MM from its target."""
+    """Reported while a finger touched, but farther than WITHIN_MM from its target."""
     ghosts: tuple[Down, ...] = ()
-    """Told while nothing touched."""
-    blind: tuple[TrueTouch, ...] = ()
-    """True touches that no frame was taken of: counted apart."""
-    blind_hits: int = 0
-    """Those of them that were told all the same."""
+    """Reported while nothing touched."""
+    between_frames: tuple[TrueTouch, ...] = ()
+    """True touches that no frame shows: counted separately."""
+    between_frames_hits: int = 0
+    """How many of them were reported all the same."""
 
     @property
     def true(self) -> int:
-        """Touches that hold at least one frame."""
+        """Touches that at least one frame shows."""
         return len(self.hits) + len(self.missed)
 
     @property
     def false(self) -> int:
-        """Published downs that should not have been."""
+        """Published downs that are no touch of their own."""
         return len(self.doubled) + len(self.outside) + len(self.ghosts)
 
     @property
     def precision(self) -> float:
-        """Of the published downs, those that told a touch; 1 where nothing was published."""
-        told = len(self.hits) + self.false
-        return len(self.hits) / told if told else 1.0
+        """Share of the published downs that are hits; 1 where nothing was published."""
+        reported = len(self.hits) + self.false
+        return len(self.hits) / reported if reported else 1.0
 
     @property
     def recall(self) -> float:
-        """Of the true touches, those that were told; 1 where there were none."""
+        """Share of the true touches that were reported; 1 where there were none."""
         return len(self.hits) / self.true if self.true else 1.0
 
     @property
@@ -110,21 +109,8 @@ class Touches:
         return 2.0 * self.precision * self.recall / both if both else 0.0
 
 
-def pooled(parts: Sequence[Touches]) -> Touches:
-    """Put the touches of many takes together."""
-    return Touches(
-        tuple(hit for part in parts for hit in part.hits),
-        tuple(touch for part in parts for touch in part.missed),
-        tuple(down for part in parts for down in part.doubled),
-        tuple(down for part in parts for down in part.outside),
-        tuple(down for part in parts for down in part.ghosts),
-        tuple(touch for part in parts for touch in part.blind),
-        sum(part.blind_hits for part in parts),
-    )
-
-
 def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
-    """Pair what was published with what happened."""
+    """Match published downs with true touches."""
     downs = published(frames)
     touches = truth.touches
     hit_by = _pairs(downs, touches)
@@ -135,7 +121,7 @@ def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
     outside = [down for down in others if any(_overlaps(down, touch) for touch in touches)]
     times = [frame.time_us for frame in frames]
     whole = {k: touch for k, touch in enumerate(touches) if touch.ended and touch.frames}
-    blind = {k: touch for k, touch in enumerate(touches) if touch.ended and not touch.frames}
+    unseen = {k: touch for k, touch in enumerate(touches) if touch.ended and not touch.frames}
     return Touches(
         tuple(
             _hit(touch, downs[hit_by[k]], truth, times) for k, touch in whole.items() if k in hit_by
@@ -144,13 +130,13 @@ def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
         tuple(doubled),
         tuple(outside),
         tuple(down for down in others if down not in outside),
-        tuple(blind.values()),
-        sum(k in hit_by for k in blind),
+        tuple(unseen.values()),
+        sum(k in hit_by for k in unseen),
     )
 
 
 def fits(down: Down, touch: TrueTouch) -> bool:
-    """Say whether a down can have told a touch: by its time and its distance from the target."""
+    """Whether a down can be the report of a touch: by time and distance from the target."""
     x, y = touch.aim_mm
     return _overlaps(down, touch) and bool(np.hypot(down.x_mm - x, down.y_mm - y) <= WITHIN_MM)
 
@@ -193,19 +179,19 @@ def _down(frame: TouchFrame, event: TouchEvent, up: tuple[int, TouchEvent] | Non
 
 
 def _pairs(downs: Sequence[Down], touches: Sequence[TrueTouch]) -> dict[int, int]:
-    """Index of touch -> of its down: as many pairs as there can be, the nearest in time."""
+    """Index of touch -> index of its down: as many pairs as possible, the nearest in time."""
     cost = _cost(downs, touches)
     rows, columns = linear_sum_assignment(cost)
     return {
         int(row): int(column)
         for row, column in zip(rows, columns, strict=True)
-        if cost[row, column] < NEVER
+        if cost[row, column] < IMPOSSIBLE_US
     }
 
 
 def _cost(downs: Sequence[Down], touches: Sequence[TrueTouch]) -> NDArray[np.float64]:
-    """(touches, downs) us from contact to the frame that told it; NEVER where they cannot pair."""
-    cost = np.full((len(touches), len(downs)), NEVER)
+    """(touches, downs) us from contact to the reporting frame; IMPOSSIBLE_US: no match."""
+    cost = np.full((len(touches), len(downs)), IMPOSSIBLE_US)
     for row, touch in enumerate(touches):
         for column, down in enumerate(downs):
             if fits(down, touch):
@@ -218,8 +204,8 @@ def _overlaps(down: Down, touch: TrueTouch) -> bool:
 
 
 def _hit(touch: TrueTouch, down: Down, truth: Truth, times: Sequence[int]) -> Hit:
-    told = np.searchsorted(times, down.time_us)
+    reported = np.searchsorted(times, down.time_us)
     frame = truth.at(down.time_us)
     finger = frame.find(touch.side, touch.finger) if frame else None
     true_mm = (finger.x_mm, finger.y_mm) if finger else (touch.x_mm, touch.y_mm)
-    return Hit(touch, down, int(told - np.searchsorted(times, touch.from_us)), true_mm)
+    return Hit(touch, down, int(reported - np.searchsorted(times, touch.from_us)), true_mm)

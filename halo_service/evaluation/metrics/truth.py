@@ -1,6 +1,6 @@
-"""What really happened, read from the truth's lines and laid into the surface's frame.
+"""What really happened: the truth's lines, converted to the surface's frame.
 
-Rule: pure. The scores see this and the published frames, and nothing else.
+Rule: pure. The metrics see this and the published frames, and nothing else.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from halo_service.geometry.surface import Surface
 from halo_service.values import Finger, Side
 
 Line = dict[str, Any]
-"""One line of truth or of a script, as the files write it."""
+"""One line of a truth or script file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,12 +58,12 @@ class TrueTouch:
     """Where it began, surface frame."""
     strike_mm_s: float
     target_mm: tuple[float, float] | None
-    """What was aimed at, surface frame; None where there was nothing."""
+    """The target, surface frame; None without one."""
     key: str | None
     frames: int
-    """How many depth frames were taken while it lasted."""
+    """How many depth frames show it."""
     ended: bool = True
-    """False for a touch that the take's end cuts off: it is neither hit nor missed."""
+    """False for a touch that the recording's end cuts off: it is neither hit nor missed."""
 
     @property
     def aim_mm(self) -> tuple[float, float]:
@@ -73,7 +73,7 @@ class TrueTouch:
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What is true of one take, in order of time."""
+    """What is true of one recording, in order of time."""
 
     frames: tuple[TrueFrame, ...]
     touches: tuple[TrueTouch, ...]
@@ -86,7 +86,7 @@ class Truth:
 
 
 def read_truth(lines: Sequence[Line], surface: Surface) -> Truth:
-    """Lay the truth into a surface's frame; raises KeyError for lines that are no truth."""
+    """Convert the truth to a surface's frame; raises KeyError for lines that are no truth."""
     frames = tuple(
         sorted((_frame(each, surface) for each in lines if "fingers" in each), key=_time)
     )
@@ -129,12 +129,12 @@ def _touch(line: Line, surface: Surface, times: Sequence[int]) -> TrueTouch:
 
 
 def _cut_off(frames: Sequence[TrueFrame], touches: Sequence[TrueTouch]) -> list[TrueTouch]:
-    """Return the touches still going on in the last frame: a contact is told when it ends."""
+    """Return the touches still going on in the last frame: the truth lists a contact at its end."""
     open_ = []
     for last in frames[-1].fingers if frames else ():
         since = _touching_since(frames, last) if last.touching else []
-        told = any(t.to_us >= frames[-1].time_us and _same(t, last) for t in touches)
-        if since and not told:
+        listed = any(t.to_us >= frames[-1].time_us and _same(t, last) for t in touches)
+        if since and not listed:
             begin = since[0].find(last.side, last.finger) or last
             open_.append(
                 TrueTouch(

@@ -1,1 +1,1 @@
-"""The bench's results as one page that one can show: figures beside the paper's, and its plots."""
+"""Results in words: figures, goals, breakdowns, short lines, CSV and a page of plots."""

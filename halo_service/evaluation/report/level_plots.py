@@ -1,6 +1,6 @@
-"""What was told of held levels and of small lifts: drawings, a panel a family of halo curves.
+"""Held levels and small lifts: drawings, one panel per family of halo curves.
 
-Rule: each returns the drawings of one figure, none where the results hold nothing for it.
+Rule: each function returns the drawings of one figure, none where the results hold none.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ import numpy as np
 
 from halo_service.evaluation.metrics.levels import Trial
 from halo_service.evaluation.metrics.result import Result
-from halo_service.evaluation.metrics.retaps import told_by_lift
+from halo_service.evaluation.metrics.retaps import reported_by_lift
 from halo_service.evaluation.report import select
+from halo_service.evaluation.report.select import Choice
 from halo_service.evaluation.report.svg import Panel, axes, coloured, dots, drawing, line, ticks
 
 LEVELS = {
@@ -23,22 +24,21 @@ LEVELS = {
 
 
 def levels(results: Sequence[Result], kind: str) -> list[str]:
-    """What was told of held levels, a drawing a family of halo curves."""
+    """Reported over true levels, one drawing per family of halo curves."""
     drawings = []
     for family in sorted({r.subject.family for r in results}):
         mine = [r for r in results if r.subject.family == family]
-        if any(r.scores and any(t.kind == kind for t in r.scores.trials) for r in mine):
+        if any(trial.kind == kind for trial in select.pooled(mine).trials):
             drawings.append(_family(family, mine, kind))
     return drawings
 
 
 def retaps(results: Sequence[Result]) -> list[str]:
-    """Share of re-taps that were told, over how far the finger rose between."""
+    """Share of reported re-taps, over how far the finger rose between."""
     panel = Panel(420.0, 170.0, (0.0, 6.5), (0.0, 105.0))
     lines = []
     for method in select.methods(results):
-        parts = [r.scores.retaps for r in select.of(results, method) if r.scores]
-        shares = told_by_lift([each for part in parts for each in part])
+        shares = reported_by_lift(select.pooled(select.of(results, method)).retaps)
         percents = [100.0 * share for share in shares.values()]
         if shares:
             lines.append(line(panel, shares, percents, coloured(method)))
@@ -49,40 +49,41 @@ def retaps(results: Sequence[Result]) -> list[str]:
         panel,
         "",
         "lift between two taps, mm",
-        "told, %",
+        "reported, %",
         ticks(*range(7)),
         ticks(0, 25, 50, 75, 99),
     )
-    return [drawing(panel, "re-taps told by lift", [frame, *lines])]
+    return [drawing(panel, "re-taps reported by lift", [frame, *lines])]
 
 
 def _family(family: str, results: Sequence[Result], kind: str) -> str:
     unit, end, numbers = LEVELS[kind]
     panel = Panel(230.0, 230.0, (0.0, end), (0.0, end))
     parts = [
-        axes(panel, family, f"true, {unit}", f"told, {unit}", ticks(*numbers), ticks(*numbers)),
+        axes(panel, family, f"true, {unit}", f"reported, {unit}", ticks(*numbers), ticks(*numbers)),
         line(panel, (0.0, end), (0.0, end), "truth"),
     ]
-    for method in reversed(select.methods(results)):  # the first lies on top
+    for method in reversed(select.methods(results)):  # the first is drawn on top
         mine = select.of(results, method)
-        parts.append(
-            _mean_line(panel, select.trials(mine, kind, False), f"plain {coloured(method)}")
-        )
-        parts.append(
-            _mean_line(panel, select.trials(mine, kind, True), f"noisy {coloured(method)}")
-        )
+        for choice, style in ((select.plain_noise, "plain"), (select.doubled_noise, "noisy")):
+            held = _held(mine, choice, kind)
+            parts.append(_mean_line(panel, held, f"{style} {coloured(method)}"))
     for method in select.methods(results)[:1]:
-        held = select.trials(select.of(results, method), kind, False)
-        held = [trial for trial in held if not np.isnan(trial.told)]
-        told = [trial.told for trial in held]
-        parts.append(dots(panel, [trial.level for trial in held], told, coloured(method)))
+        held = _held(select.of(results, method), select.plain_noise, kind)
+        levels, reported = [t.level for t in held], [t.reported for t in held]
+        parts.append(dots(panel, levels, reported, coloured(method)))
     return drawing(panel, f"{kind} with {family} curves", parts)
 
 
+def _held(results: Sequence[Result], choice: Choice, kind: str) -> list[Trial]:
+    """Return the trials with a reading."""
+    trials = select.pooled(results, choice).trials
+    return [trial for trial in trials if trial.kind == kind and not np.isnan(trial.reported)]
+
+
 def _mean_line(panel: Panel, held: Sequence[Trial], kind: str) -> str:
-    told = {
-        level: [t.told for t in held if t.level == level and not np.isnan(t.told)]
+    means = {
+        level: float(np.mean([trial.reported for trial in held if trial.level == level]))
         for level in sorted({trial.level for trial in held})
     }
-    means = {level: float(np.mean(values)) for level, values in told.items() if values}
     return line(panel, means, means.values(), kind)

@@ -9,21 +9,21 @@ from importlib.resources import files
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.report import level_plots, select, touch_plots
 from halo_service.evaluation.report.breakdown import breakdown
-from halo_service.evaluation.report.goals import PASS, SHORT, goal_table
+from halo_service.evaluation.report.goals import FAIL, PASS, goal_table
 from halo_service.evaluation.report.summary import is_recording, note
 from halo_service.evaluation.report.table import Table
 
-TITLE = "Touch, hover and pressure, judged"
+TITLE = "Touch, hover and pressure, evaluated"
 INTRODUCTION = (
-    "The paper's study, played by virtual people under a virtual depth camera, and sensed by every "
-    "method from the same frames. What was published is judged against what truly happened. These "
-    "figures compare methods; they are no promise about a real table."
+    "The paper's study with virtual people under a virtual depth camera, sensed by every method "
+    "from the same frames. What each method published is compared with the truth. These figures "
+    "compare methods and say nothing about a real table."
 )
 RECORDED = "One recording, sensed by every method from the same frames."
 
 
 def page(results: Sequence[Result], facts: Mapping[str, str]) -> str:
-    """Return the page; `facts` say what it is of: command, date, machine, users."""
+    """Return the page. `facts`: command, date, commit, machine, users ..."""
     methods = select.methods(results)
     first = methods[0] if methods else ""
     lead = RECORDED if is_recording(results) else INTRODUCTION
@@ -48,15 +48,14 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
     return [
         _figure(
             f"Touches around their targets, {first}",
-            "Crosses are targets, dots touches as they were told, ellipses hold 95 % of them. The "
-            "fingers' own scatter is in them: people do not touch exactly what they aim at.",
+            "Crosses are targets, dots reported touches, ellipses hold 95 % of them. They include "
+            "the fingers' own scatter: people do not touch exactly what they aim at.",
             touch_plots.targets(results, first),
         ),
         _figure(
-            "Where touches were told, from where they were",
-            "The middle is the pad's true place in the frame that told the touch, or the target "
-            "where nobody knows the truth. Of hits; nothing else is removed. The ellipse holds "
-            "95 %.",
+            "Where touches were reported, relative to where they were",
+            "The middle is the pad's true place in the frame that reported the touch, or the "
+            "target where the truth is unknown. All hits. The ellipse holds 95 %.",
             touch_plots.clouds(results),
         ),
         _figure(
@@ -68,7 +67,7 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
         _figure(
             "Hover, by family of halo curves",
             "Lines are means of all trials, dashed at doubled noise; dots are the single trials of "
-            f"{first} at plain noise. On the diagonal, what is told is true.",
+            f"{first} at plain noise. On the diagonal, the report is true.",
             level_plots.levels(results, "hover"),
         ),
         _figure(
@@ -77,14 +76,14 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
             level_plots.levels(results, "pressure"),
         ),
         _figure(
-            "From contact to the frame that told it",
-            "On the frames' own clock, without what receiving, sensing and sending cost. Left of 0 "
-            "lies what was told before its contact; the median counts it as told at once.",
+            "From contact to the frame that reported it",
+            "On the frames' own clock, without what receiving, sensing and sending cost. Left of "
+            "0: reported before the contact; the median counts it as 0 ms.",
             touch_plots.lateness(results),
         ),
         _figure(
-            "Re-taps told, by how far the finger rose",
-            "The touch point threshold is the least lift from which on 99 % are told.",
+            "Re-taps reported, by how far the finger rose",
+            "The touch point threshold is the least lift from which on 99 % are reported.",
             level_plots.retaps(results),
         ),
     ]
@@ -123,17 +122,17 @@ def _table(table: Table) -> str:
 
 
 def _cell(cell: str) -> str:
-    """A verdict becomes a mark that is seen from afar, and stays a word."""
-    for verdict, kind in ((SHORT, "short"), (PASS, "pass")):
+    """A verdict becomes a coloured mark, and stays a word."""
+    for verdict, kind in ((FAIL, "fail"), (PASS, "pass")):
         if cell.endswith(f", {verdict}"):
-            told = _joined(cell.removesuffix(f", {verdict}"))
-            return f"<td>{told} <b class='{kind}'>{verdict}</b></td>"
+            words = _joined(cell.removesuffix(f", {verdict}"))
+            return f"<td>{words} <b class='{kind}'>{verdict}</b></td>"
     return f"<td>{_joined(cell)}</td>"
 
 
 def _joined(words: str) -> str:
-    """A number stays on one line with its unit and with what it is off by."""
-    told = escape(words)
+    """A number stays on one line with its unit and its deviation."""
+    text = escape(words)
     for mark in (" %", " mm", " ms", " ± ", "≤ ", "≥ "):
-        told = told.replace(mark, mark.replace(" ", "&nbsp;"))
-    return told
+        text = text.replace(mark, mark.replace(" ", "&nbsp;"))
+    return text

@@ -1,63 +1,116 @@
-"""What is printed of results: who was measured and with what, then the tables."""
+"""What is printed of results: who was measured with what, the tables, or one short line each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from halo_service.evaluation.metrics.result import Result
+from halo_service.evaluation.metrics.scores import Scores
 from halo_service.evaluation.report.breakdown import breakdown
+from halo_service.evaluation.report.figures import LEVEL_FIGURES, NONE, ValuesOf, by_level, cell
 from halo_service.evaluation.report.goals import VIRTUAL, goal_table
-from halo_service.evaluation.report.table import Table
+from halo_service.evaluation.report.table import Table, as_markdown
 from halo_service.evaluation.study.plan import REPORTED, TUNED
 
-Lay = Callable[[Table], str]
+Format = Callable[[Table], str]
+LINE = (
+    "{touches} touches: {missed} missed, {doubled} doubled, {outside} outside, {ghosts} ghosts, "
+    "F1 {f1:.1%}",
+    "{spatial_mean_mm:.1f} mm off, median {spatial_median_mm:.1f}, "
+    "bias {spatial_bias_x_mm:+.1f} {spatial_bias_y_mm:+.1f}",
+    "{down_frames_median:g} frames, {down_ms_median:.0f} ms late",
+    "{stuck} stuck, {id_changes} id changes, {stray_share:.1%} % stray, "
+    "{without_pointer_share:.1%} % without pointer",
+)
+"""Parts of the line of a task with touches."""
 
 
-def told(results: Sequence[Result], version: str, lay: Lay) -> Iterator[str]:
-    """Yield paragraphs. `lay`: how a table is laid out; `version`: of the package."""
+def paragraphs(results: Sequence[Result], version: str, form: Format) -> Iterator[str]:
+    """Yield the heading and all tables. `form`: of a table; `version`: of the package."""
     yield "\n".join(heading(results, version))
     for table in (goal_table(results, note(results)), *breakdown(results)):
-        yield lay(table)
+        yield form(table)
+
+
+def results_file(results: Sequence[Result], facts: Mapping[str, str]) -> str:
+    """Return a Markdown page for `docs/results`; `facts`: command, date, commit, machine ..."""
+    lines = [f"- {name}: {words}" for name, words in facts.items()]
+    tables = (goal_table(results, note(results)), *breakdown(results))
+    parts = ["# Evaluation results", "\n".join(lines), *map(as_markdown, tables)]
+    return "\n\n".join(parts) + "\n"
+
+
+def brief(results: Sequence[Result]) -> Iterator[str]:
+    """Yield one line per user, task and method: for a look while the sensing is changed."""
+    for each in results:
+        who = f"{each.subject.name:<12} {each.task:<15} {each.method:<7}"
+        if each.scores is None:
+            yield f"{who} cannot be calibrated: {each.refused}"
+        else:
+            for words in filter(None, (_touches(each.scores), _levels(each.scores))):
+                yield f"{who} {words}"
 
 
 def note(results: Sequence[Result]) -> str:
-    """Say how the table is to be read: whose figures stand in it."""
+    """Say how to read the table."""
     if not is_recording(results):
         return VIRTUAL
-    whose = (
-        f"The paper's figures are of a whole study, the others of one recording, judged by "
-        f"{_judge(results)}."
+    first = (
+        f"The paper's figures are of a whole study, the others of one recording, compared with "
+        f"{_reference(results)}."
     )
     remarks = dict.fromkeys(each.remark for each in results if each.remark)
-    return " ".join((whose, *remarks))
+    return " ".join((first, *remarks))
 
 
 def is_recording(results: Sequence[Result]) -> bool:
-    """Say whether the results are of one recording, and not of a study."""
+    """Whether the results are of one recording, and not of a study."""
     return any(each.subject.seed is None for each in results)
 
 
 def heading(results: Sequence[Result], version: str) -> Iterator[str]:
     """Say who was measured, and with what."""
     settings = sorted({each.settings for each in results if each.settings})
-    yield f"halo-service {version}, configuration {', '.join(settings) or 'of nobody'}"
+    yield f"halo-service {version}, configuration {', '.join(settings) or NONE}"
     seeds = sorted({each.subject.seed for each in results if each.subject.seed is not None})
     if seeds:
         materials = dict.fromkeys(each.subject.material for each in results)
         yield f"virtual users {_numbers(seeds)} on {', '.join(materials)}"
-        yield f"tuned on users {_numbers(TUNED)}; to be reported: {_numbers(REPORTED)}"
+        yield f"tuning users: {_numbers(TUNED)}; reported users: {_numbers(REPORTED)}"
         if not set(seeds) <= set(REPORTED):
-            yield "these are no reported users: the figures watch over changes and prove nothing"
+            yield "tuning users; use only to spot regressions"
         if not any(each.task.startswith("labels") for each in results):
-            yield "real people's tap timing was left out: the full study has it with --labels DIR"
+            yield "without real people's tap timing: give the full study --labels DIR for it"
     if is_recording(results):
         names = ", ".join(dict.fromkeys(each.subject.name for each in results))
-        yield f"recording {names}, judged by {_judge(results)}"
+        yield f"recording {names}, compared with {_reference(results)}"
 
 
-def _judge(results: Sequence[Result]) -> str:
-    if any(each.asked for each in results):
-        return "what was asked for, with people's own errors in it"
+def _touches(scores: Scores) -> str:
+    if not scores.touches.true:
+        ghosts = len(scores.touches.ghosts)
+        return f"no touch, {ghosts} ghosts" if ghosts else ""
+    values = ValuesOf(scores)
+    return " | ".join(words for part in LINE if (words := cell(part, values)) != NONE)
+
+
+def _levels(scores: Scores) -> str:
+    if not scores.trials:
+        return ""
+    kind = scores.trials[0].kind
+    unit = "mm" if kind == "hover" else "% of 385 g"
+    mean = f"{{{LEVEL_FIGURES[kind][0]}:.2f}}"
+    levels = ", ".join(
+        f"{level:g}: {cell(mean, ValuesOf(part))}" for (_, level), part in by_level(scores).items()
+    )
+    values = ValuesOf(scores)
+    silent = cell(f"{{{kind}_no_reading_share:.1%}} % without reading", values)
+    return f"{kind} error {cell(mean, values)} {unit} ({levels}), {silent}"
+
+
+def _reference(results: Sequence[Result]) -> str:
+    if any(each.by_script for each in results):
+        return "its script, so with people's own errors"
     return "its truth"
 
 

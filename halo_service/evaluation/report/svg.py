@@ -1,6 +1,6 @@
 """Marks on a panel: numbers in, SVG text out.
 
-Rule: what is drawn is decided elsewhere. Colours and fonts are the page's: marks carry classes,
+Rule: other modules decide what is drawn. Colours and fonts are the page's: marks carry classes,
 so that one style sheet serves light and dark. Coordinates are rounded to tenths of a pixel: the
 same numbers give the same bytes, and thousands of dots stay a small page.
 """
@@ -20,7 +20,7 @@ Values = Iterable[float]
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 26.0, 40.0
 """Margins around a panel, px: room for its title, its numbers and its labels."""
 TICK, NEAR = 4.0, 13.0
-"""Length of a tick, and how far its number stands from the panel, px."""
+"""Length of a tick, and the distance of its number from the panel, px."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Panel:
 
 
 def drawing(panel: Panel, words: str, marks: Iterable[str]) -> str:
-    """Wrap marks into an image; `words` say it to those who cannot see it."""
+    """Wrap marks into an image; `words` describe it for screen readers."""
     width, height = panel.width + LEFT + RIGHT, panel.height + TOP + BOTTOM
     return (
         f'<svg viewBox="0 0 {_n(width)} {_n(height)}" width="{_n(width)}" role="img" '
@@ -86,12 +86,12 @@ def axes(
 
 
 def ticks(*values: float) -> list[tuple[float, str]]:
-    """Return numbers that stand for themselves."""
+    """Return numbers with their own text."""
     return [(value, f"{value:g}") for value in values]
 
 
 def dots(panel: Panel, xs: Values, ys: Values, kind: str) -> str:
-    """Draw a dot each: one path, as short as it gets; what lies outside is left out."""
+    """Draw dots as one short path, without those outside the panel."""
     places = zip(xs, ys, strict=True)
     inside = [(x, y) for x, y in places if _within(x, panel.x) and _within(y, panel.y)]
     steps = "".join(f"M{_n(panel.px(x))} {_n(panel.py(y))}h0" for x, y in inside)
@@ -99,7 +99,7 @@ def dots(panel: Panel, xs: Values, ys: Values, kind: str) -> str:
 
 
 def line(panel: Panel, xs: Values, ys: Values, kind: str) -> str:
-    """Draw a line through places, held within the panel."""
+    """Draw a line through points, clamped to the panel."""
     points = _points(panel, xs, ys)
     return f'<polyline class="line {kind}" points="{points}"/>' if points else ""
 
@@ -115,7 +115,7 @@ def bar(panel: Panel, from_x: float, to_x: float, y: float, kind: str) -> str:
 
 
 def oval(panel: Panel, ellipse: Ellipse, kind: str) -> str:
-    """Draw an ellipse given in the panel's units, held within the panel."""
+    """Draw an ellipse given in the panel's units, clamped to the panel."""
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     along = np.radians(ellipse.angle_deg)
     a, b = ellipse.major_mm * np.cos(turn), ellipse.minor_mm * np.sin(turn)
@@ -134,7 +134,7 @@ def cross(panel: Panel, x: float, y: float, size: float = 4.0) -> str:
 
 
 def upright(panel: Panel, x: float, words: str) -> str:
-    """Draw a dashed line at a value, with a word beside it."""
+    """Draw a dashed line at a value, with a word next to it."""
     at = panel.px(x)
     top, bottom = panel.py(panel.y[1]), panel.py(panel.y[0])
     return _segment(at, top, at, bottom, "mark") + text(at + 4.0, top + 11.0, words, "number")
@@ -156,12 +156,12 @@ def _segment(x1: float, y1: float, x2: float, y2: float, kind: str) -> str:
 
 def _points(panel: Panel, xs: Values, ys: Values) -> str:
     return " ".join(
-        f"{_n(panel.px(_held(x, panel.x)))},{_n(panel.py(_held(y, panel.y)))}"
+        f"{_n(panel.px(_clamped(x, panel.x)))},{_n(panel.py(_clamped(y, panel.y)))}"
         for x, y in zip(xs, ys, strict=True)
     )
 
 
-def _held(value: float, ends: tuple[float, float]) -> float:
+def _clamped(value: float, ends: tuple[float, float]) -> float:
     return min(max(value, min(ends)), max(ends))
 
 

@@ -1,7 +1,4 @@
-"""A table of words: as text for a terminal, as Markdown for a page.
-
-Rule: what is in it is decided elsewhere; here it is only laid out.
-"""
+"""A table of words: as text for a terminal, as Markdown for a page."""
 
 from __future__ import annotations
 
@@ -12,7 +9,7 @@ from textwrap import wrap
 
 GAP = "  "
 WIDE = 100
-"""Columns of a terminal, about: notes are wrapped to it."""
+"""Columns of a terminal: notes are wrapped to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +25,7 @@ class Table:
 
 
 def as_text(table: Table) -> str:
-    """Lay it out in columns, words to the left and numbers where they fall."""
+    """Return aligned columns."""
     widths = [max(map(len, column)) for column in zip(table.head, *table.rows, strict=True)]
     lines = [_line(row, widths) for row in (table.head, ["-" * width for width in widths])]
     lines += [_line(row, widths) for row in table.rows]
@@ -37,7 +34,7 @@ def as_text(table: Table) -> str:
 
 
 def as_markdown(table: Table) -> str:
-    """Write it as a Markdown table under a heading."""
+    """Return a Markdown table under a heading."""
     ruled = chain((table.head, ("---",) * len(table.head)), table.rows)
     lines = ["| " + " | ".join(_escaped(row)) + " |" for row in ruled]
     return "\n".join([f"### {table.title}", "", *lines, *(["", table.note] if table.note else [])])

@@ -1,6 +1,6 @@
-"""Where touches were told, how many, and how late: drawings, a panel a material or a method.
+"""Where touches were reported, how many, and how late: a panel per material or method.
 
-Rule: each returns the drawings of one figure, none where the results hold nothing for it.
+Rule: each function returns the drawings of one figure, none where the results hold none.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import numpy as np
 
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.metrics.spatial import Errors, ellipse, from_truth
-from halo_service.evaluation.metrics.timing import Timing, median_late
+from halo_service.evaluation.metrics.timing import Timing
 from halo_service.evaluation.metrics.touches import Hit
 from halo_service.evaluation.report import select
-from halo_service.evaluation.report.measures import FRAME_MS
+from halo_service.evaluation.report.figures import ValuesOf
+from halo_service.evaluation.report.goals import FRAME_MS
 from halo_service.evaluation.report.svg import (
     Panel,
     axes,
@@ -39,21 +40,22 @@ BIN_MS = 5.0
 
 
 def targets(results: Sequence[Result], method: str) -> list[str]:
-    """Touches around their targets with 95 % ellipses, a panel a material."""
+    """Touches around their targets with 95 % ellipses, one panel per material."""
     drawings = []
     for material in _materials(results):
         mine = [r for r in select.of(results, method) if r.subject.material == material]
-        hits = [hit for hit in select.touches(select.pointing(mine)).hits if hit.touch.target_mm]
+        touches = select.pooled(mine, select.pointing).touches
+        hits = [hit for hit in touches.hits if hit.touch.target_mm]
         if hits:
             drawings.append(_map(material, hits, method))
     return drawings
 
 
 def clouds(results: Sequence[Result]) -> list[str]:
-    """Every touch from its true place, a panel a method."""
+    """Every touch relative to its true place, one panel per method."""
     drawings = []
     for method in select.methods(results):
-        errors = from_truth(select.touches(select.pointing(select.of(results, method))).hits)
+        errors = from_truth(select.pooled(select.of(results, method), select.pointing).touches.hits)
         if len(errors):
             drawings.append(_cloud(method, errors))
     return drawings
@@ -64,21 +66,20 @@ def accuracy(results: Sequence[Result]) -> list[str]:
     methods, shares = select.methods(results), {}
     for material in _materials(results):
         mine = [r for r in results if r.subject.material == material]
-        told = [select.touches(select.pointing(select.of(mine, method))) for method in methods]
-        if any(each.true for each in told):
-            shares[material] = [100.0 * each.f1 for each in told]
+        touches = [select.pooled(select.of(mine, m), select.pointing).touches for m in methods]
+        if any(each.true for each in touches):
+            shares[material] = [100.0 * each.f1 for each in touches]
     return [_bars(methods, shares)] if shares else []
 
 
 def lateness(results: Sequence[Result]) -> list[str]:
-    """From contact to the frame that told it: a histogram a method."""
+    """From contact to the frame that reported it: one histogram per method."""
     drawings = []
     for method in select.methods(results):
-        mine = select.pointing(select.of(results, method))
-        timing = [each for part in mine for each in part.timing]
-        late = median_late(timing)
-        if late is not None:
-            drawings.append(_histogram(method, timing, late[0]))
+        scores = select.pooled(select.of(results, method), select.pointing)
+        if scores.timing:
+            median_ms = ValuesOf(scores)["down_ms_median"]
+            drawings.append(_histogram(method, scores.timing, median_ms))
     return drawings
 
 
@@ -113,7 +114,7 @@ def _cloud(method: str, errors: Errors) -> str:
         cross(panel, 0.0, 0.0),
         text(panel.px(-14.0), panel.py(-13.0), words, "number"),
     ]
-    return drawing(panel, f"where {method} told touches", parts)
+    return drawing(panel, f"where {method} reported touches", parts)
 
 
 def _bars(methods: Sequence[str], shares: Mapping[str, Sequence[float]]) -> str:

@@ -1,4 +1,4 @@
-"""Who is asked to do what: the paper's study as a table of persons and tasks.
+"""Which user does which task: the paper's study as a table.
 
 Rule: names and numbers only; the study's own (5.1, 5.2) unless a line says why not.
 """
@@ -14,27 +14,27 @@ from halo_service.errors import UserError
 from halo_service.virtual.materials import STUDIED
 
 TUNED = (201, 202, 203, 204, 205, 206, 209, 212)
-"""Virtual users set aside for tuning the sensing and its rivals; never reported as a result. What
-was chosen on which of them is told in docs/evaluation.md."""
+"""Virtual users for tuning the sensing and its rivals; never reported as a result.
+`docs/evaluation.md` says what was chosen on which of them."""
 REPORTED = tuple(range(301, 313))
-"""The study's twelve: nobody looked at them while anything was being chosen."""
+"""The study's twelve: nothing was chosen on them."""
 QUICK_USERS = TUNED[:3]
-"""A quick run watches over changes, and who makes changes looks at it: so no reported users."""
+"""A quick run is for spotting regressions, and so for tuning users."""
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What a person is asked to do."""
+    """What a user does."""
 
     name: str
     scenario: str
-    """Of the virtual Kinect."""
+    """Of the virtual camera."""
     seconds: float
-    """How long it takes: about, where it ends by itself or after its touches."""
+    """Duration; approximate where it ends by itself or after its touches."""
     ends: bool = True
-    """By itself."""
+    """Whether it ends by itself."""
     touches: int | None = None
-    """It ends after so many."""
+    """It ends after this many."""
     options: tuple[tuple[str, str], ...] = ()
     """As in a source's name: (("noise", "2"),)."""
     hands: int = 1
@@ -42,13 +42,13 @@ class Task:
     all_fingers: bool = False
     """Every finger is a pointer, not the index fingers alone."""
     every_material: bool = False
-    """On each of the materials; else once a user."""
+    """On each material; else once per user."""
 
 
 CALIBRATION = Task("calibration", "calibration", 42.0)
-"""Comes before everything else, as with any user."""
+"""Comes before everything else, as for any user."""
 POINTING = Task("pointing", "pointing", 89.0, ends=False, touches=64, every_material=True)
-"""64 touches a user and material, half of them swift (5.2)."""
+"""64 touches per user and material, half of them quick (5.2)."""
 NOISY = (("noise", "2"),)
 """Twice the sensor's own noise."""
 TASKS = (
@@ -73,16 +73,16 @@ QUICK_TASKS = (
 )
 """Three users with 20 touches each; each height and force once."""
 QUICK_ONCE = 1
-"""Only so many of the quick users hold the levels: it has to end within five minutes."""
-KNOWN = (*TASKS, *QUICK_TASKS)
-"""All that can lie in a folder of takes."""
+"""Only this many of the quick users hold levels: the run has to end within five minutes."""
+ALL_TASKS = (*TASKS, *QUICK_TASKS)
+"""All tasks that a cache can hold."""
 LABELS = Task("labels", "labels", 60.0, ends=False, hands=2)
-"""Taps when somebody really touched a tablet; needs a file of them."""
+"""Taps at the times of real touches on a tablet; needs a file of them."""
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
-    """Somebody at a table."""
+class User:
+    """A virtual user at a table of one material."""
 
     seed: int
     material: str
@@ -93,13 +93,13 @@ class Person:
         return f"{self.seed}-{self.material}"
 
     def source(self, task: Task) -> str:
-        """What the virtual Kinect is asked for."""
+        """Return the source of the virtual camera."""
         options = (("seed", str(self.seed)), ("material", self.material), *task.options)
         return f"sim:{task.scenario}?" + "&".join(f"{key}={quote(text)}" for key, text in options)
 
 
-Plan = Mapping[Person, tuple[Task, ...]]
-"""Who does what, in order."""
+Plan = Mapping[User, tuple[Task, ...]]
+"""The tasks of each user, in order."""
 
 
 def plan(
@@ -107,25 +107,25 @@ def plan(
     materials: Sequence[str] = STUDIED,
     tasks: Sequence[Task] = TASKS,
     labels: Sequence[Path] = (),
-) -> dict[Person, tuple[Task, ...]]:
-    """Return the full matrix. `labels`: files of real taps, of which each user plays one."""
-    matrix = {}
+) -> dict[User, tuple[Task, ...]]:
+    """Return the full study. `labels`: files of real taps; each user repeats one of them."""
+    tasks_of = {}
     for index, seed in enumerate(users):
         for material in materials:
             once = material == own_material(seed, materials)
             mine = [task for task in tasks if once or task.every_material]
             if once and labels:
                 mine.append(labelled(labels[index % len(labels)]))
-            matrix[Person(seed, material)] = tuple(mine)
-    return {person: mine for person, mine in matrix.items() if mine}
+            tasks_of[User(seed, material)] = tuple(mine)
+    return {user: mine for user, mine in tasks_of.items() if mine}
 
 
 def quick_plan(
     users: Sequence[int] = QUICK_USERS, materials: Sequence[str] = STUDIED
-) -> dict[Person, tuple[Task, ...]]:
-    """Return the small matrix: each user on one material."""
+) -> dict[User, tuple[Task, ...]]:
+    """Return the small study: each user on one material."""
     return {
-        Person(seed, own_material(seed, materials)): tuple(
+        User(seed, own_material(seed, materials)): tuple(
             task for task in QUICK_TASKS if task.every_material or index < QUICK_ONCE
         )
         for index, seed in enumerate(users)
@@ -133,18 +133,18 @@ def quick_plan(
 
 
 def own_material(seed: int, materials: Sequence[str]) -> str:
-    """Return the material on which a user does what is done once; the next user has another."""
+    """Return the material for tasks that a user does once; the next user has another."""
     return materials[seed % len(materials)]
 
 
 def labelled(file: Path) -> Task:
-    """Return the task of tapping when somebody really touched a tablet."""
+    """Return the task of tapping at the times of a label file."""
     return replace(LABELS, name=f"labels-{file.stem}", options=(("labels", str(file)),))
 
 
-def chosen(wanted: Sequence[str], known: Sequence[str], what: str) -> tuple[str, ...]:
-    """Return the names that are wanted; raises `UserError` for one that nobody knows."""
+def choose(wanted: Sequence[str], known: Sequence[str], what: str) -> tuple[str, ...]:
+    """Return the wanted names; raises `UserError` for an unknown one."""
     for name in wanted:
         if name not in known:
-            raise UserError(f"the bench knows no {what} {name!r}; known: {', '.join(known)}")
+            raise UserError(f"unknown {what} {name!r}; choose from: {', '.join(known)}")
     return tuple(wanted)

@@ -1,9 +1,9 @@
-"""What the bench keeps of a take: the hands that the tracker saw, and the depth around them.
+"""A stored recording: the hands that the tracker found, and the depth around them.
 
-Drawing a frame and finding its hands costs 30 ms, sensing it 2 ms. So both are done once, and
-every method reads the same frames again. A frame is kept as a window around everything that is
-not the empty surface; outside of it there was only noise, and it is given back as the background
-plus the device's drift. The sensing reads no infrared and no colour, so none is kept.
+Simulating a frame and tracking its hands costs 30 ms, sensing it 2 ms. So both are done once, and
+every method reads the same frames. A frame is stored as a window around everything that is not the
+empty surface; outside there is only noise, restored as the background plus the device's drift. The
+sensing reads no infrared and no colour, so neither is stored.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ from halo_service.sensing.background import DRIFT_GRID
 from halo_service.values import Depth, Frame, Hand, Side, Tracked
 
 Line = dict[str, Any]
-"""One line of truth or of a script, as the files write it."""
+"""One line of a truth or script file."""
 
 AROUND_MM = 60.0
-"""So far around the surface anything is kept."""
+"""Depth is stored up to this far around the surface."""
 MARGIN_PX = 28
-"""Around what stands above the surface: a halo's reach and a fast finger's."""
-STANDS_MM = 4.0
-"""What is this much nearer than the background stands above the surface."""
+"""Around what is above the surface: a halo's reach and a fast finger's."""
+ABOVE_MM = 4.0
+"""A pixel this much nearer than the background is above the surface."""
 LEAST_PX = 3
 """Fewer such pixels in a row or column are noise."""
 SURFACE_MM = 15.0
-"""What reads within this of the background tells the device's drift."""
+"""Pixels within this of the background show the device's drift."""
 LATTICE: tuple[slice, slice] = DRIFT_GRID
-"""Pixels that are kept as they were wherever they lie: the sensing reads the drift off them."""
+"""Pixels that are stored everywhere: the sensing reads the drift from them."""
 
 Box = tuple[int, int, int, int]
 """left, top, right, bottom, px; right and bottom outside."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Capture:
-    """One frame, kept."""
+class StoredFrame:
+    """One frame, reduced to what the sensing needs."""
 
     time_us: int
     box: Box
@@ -57,47 +57,47 @@ class Capture:
     lattice: Depth
     """The depth of the pixels of `LATTICE`."""
     hands: tuple[Hand, ...]
-    """What the tracker saw in this very frame."""
+    """What the tracker found in this very frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Kept:
-    """One take, kept."""
+class StoredRecording:
+    """One recording with its truth and script."""
 
-    captures: tuple[Capture, ...]
+    frames: tuple[StoredFrame, ...]
     truth: tuple[Line, ...]
     script: tuple[Line, ...]
 
 
-def keep(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> Capture:
-    """Reduce a frame to what the sensing needs. `reach`: where anything may be, px."""
+def store(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> StoredFrame:
+    """Reduce a frame. `reach`: where anything may be, px."""
     left, top, right, bottom = reach
     part = slice(top, bottom), slice(left, right)
     depth, empty = frame.depth[part], background.mean_mm[part]
-    stands = (depth - empty < -STANDS_MM) & (depth > 0) & background.valid[part]
-    return _capture(frame, tracked, _window(stands, tracked.hands, reach, frame.depth.shape))
+    above = (depth - empty < -ABOVE_MM) & (depth > 0) & background.valid[part]
+    return _stored(frame, tracked, _window(above, tracked.hands, reach, frame.depth.shape))
 
 
-def keep_whole(frame: Frame, tracked: Tracked) -> Capture:
-    """Keep every pixel: what a background is made of."""
+def store_whole(frame: Frame, tracked: Tracked) -> StoredFrame:
+    """Store every pixel: a background is computed from such frames."""
     height, width = frame.depth.shape
-    return _capture(frame, tracked, (0, 0, width, height))
+    return _stored(frame, tracked, (0, 0, width, height))
 
 
-def restore(capture: Capture, background: Background) -> tuple[Frame, Tracked]:
-    """Give the frame and what the tracker saw in it."""
-    surface = np.rint(background.mean_mm + _drift_mm(capture.lattice, background))
+def restore(stored: StoredFrame, background: Background) -> tuple[Frame, Tracked]:
+    """Return the frame and what the tracker found in it."""
+    surface = np.rint(background.mean_mm + _drift_mm(stored.lattice, background))
     depth = np.where(background.valid, surface, np.float32(0.0)).astype(np.uint16)
-    depth[LATTICE] = capture.lattice
-    left, top, right, bottom = capture.box
+    depth[LATTICE] = stored.lattice
+    left, top, right, bottom = stored.box
     if right > left and bottom > top:
-        data = np.frombuffer(capture.png, np.uint8)
+        data = np.frombuffer(stored.png, np.uint8)
         depth[top:bottom, left:right] = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     infrared = np.zeros_like(depth)
-    return Frame(capture.time_us, depth, infrared), Tracked(capture.time_us, capture.hands)
+    return Frame(stored.time_us, depth, infrared), Tracked(stored.time_us, stored.hands)
 
 
-def reach_of(surface: Surface, camera: Camera) -> Box:
+def reach_box(surface: Surface, camera: Camera) -> Box:
     """Return the part of the image in which anything near the surface can be, px."""
     x = np.array([-AROUND_MM, surface.width_mm + AROUND_MM])
     y = np.array([-AROUND_MM, surface.height_mm + AROUND_MM])
@@ -107,41 +107,41 @@ def reach_of(surface: Surface, camera: Camera) -> Box:
     return _clipped(low[0], low[1], high[0], high[1], (camera.depth.height, camera.depth.width))
 
 
-def save(path: Path, kept: Kept, made: str) -> None:
-    """Write a take; the file is there whole or not at all. `made`: says all it depends on."""
-    captures = kept.captures
-    hands = [(index, hand) for index, each in enumerate(captures) for hand in each.hands]
+def save(path: Path, recording: StoredRecording, key: str) -> None:
+    """Write a recording, whole or not at all. `key`: names all that it depends on."""
+    frames = recording.frames
+    hands = [(index, hand) for index, each in enumerate(frames) for hand in each.hands]
     landmarks = [hand.landmarks_px for _, hand in hands]
-    ends = np.cumsum([len(each.png) for each in captures], dtype=np.int64)
+    ends = np.cumsum([len(each.png) for each in frames], dtype=np.int64)
     path.parent.mkdir(parents=True, exist_ok=True)
     with appearing(path) as file:
         np.savez(
             file,
-            time_us=np.array([each.time_us for each in captures], np.int64),
-            box=np.array([each.box for each in captures], np.int32).reshape(-1, 4),
-            lattice=np.array([each.lattice for each in captures], np.uint16),
-            png=np.frombuffer(b"".join(each.png for each in captures), np.uint8),
+            time_us=np.array([each.time_us for each in frames], np.int64),
+            box=np.array([each.box for each in frames], np.int32).reshape(-1, 4),
+            lattice=np.array([each.lattice for each in frames], np.uint16),
+            png=np.frombuffer(b"".join(each.png for each in frames), np.uint8),
             png_end=ends,
             hand_frame=np.array([index for index, _ in hands], np.int64),
             hand_side=np.array([int(hand.side) for _, hand in hands], np.int64),
             hand_confidence=np.array([hand.confidence for _, hand in hands], np.float64),
             hand_px=np.array(landmarks, np.float32).reshape(-1, 21, 2),
-            made=np.array(made),
-            lines=np.frombuffer(json.dumps([kept.truth, kept.script]).encode(), np.uint8),
+            key=np.array(key),
+            lines=np.frombuffer(json.dumps([recording.truth, recording.script]).encode(), np.uint8),
         )
 
 
-def made_of(path: Path) -> str:
-    """Return what a take depends on. Raises OSError without a file, ValueError for another one."""
+def read_key(path: Path) -> str:
+    """Return a recording's key. Raises OSError without a file, ValueError for a damaged one."""
     try:
         with path.open("rb") as bytes_, np.load(bytes_, allow_pickle=False) as file:
-            return str(file["made"])
+            return str(file["key"])
     except (zipfile.BadZipFile, EOFError, KeyError) as error:
-        raise ValueError(f"{path} is no take ({error})") from error
+        raise ValueError(f"{path} is no recording ({error})") from error
 
 
-def load(path: Path) -> Kept:
-    """Read a take; raises OSError or ValueError for a file that is none."""
+def load(path: Path) -> StoredRecording:
+    """Read a recording; raises OSError or ValueError for a file that is none."""
     with np.load(path, allow_pickle=False) as file:
         data = {name: file[name] for name in file.files}
     by_frame: dict[int, list[Hand]] = {}
@@ -155,8 +155,8 @@ def load(path: Path) -> Kept:
         by_frame.setdefault(index, []).append(Hand(Side(side), px, sure))
     blob, ends = data["png"].tobytes(), data["png_end"].tolist()
     starts = [0, *ends[:-1]]
-    captures = tuple(
-        Capture(time_us, tuple(box), blob[start:end], lattice, tuple(by_frame.get(index, ())))
+    frames = tuple(
+        StoredFrame(time_us, tuple(box), blob[start:end], lattice, tuple(by_frame.get(index, ())))
         for index, (time_us, box, lattice, start, end) in enumerate(
             zip(
                 data["time_us"].tolist(),
@@ -169,17 +169,17 @@ def load(path: Path) -> Kept:
         )
     )
     truth, script = json.loads(data["lines"].tobytes())
-    return Kept(captures, tuple(truth), tuple(script))
+    return StoredRecording(frames, tuple(truth), tuple(script))
 
 
-def played(kept: Kept, background: Background) -> Iterator[tuple[Frame, Tracked]]:
-    """Yield each kept frame with what the tracker saw in it."""
-    return (restore(capture, background) for capture in kept.captures)
+def restored(recording: StoredRecording, background: Background) -> Iterator[tuple[Frame, Tracked]]:
+    """Yield each frame with what the tracker found in it."""
+    return (restore(stored, background) for stored in recording.frames)
 
 
-def _capture(frame: Frame, tracked: Tracked, box: Box) -> Capture:
-    lattice = frame.depth[LATTICE].copy()  # a view would keep the whole frame in memory
-    return Capture(frame.time_us, box, _png(frame.depth, box), lattice, tracked.hands)
+def _stored(frame: Frame, tracked: Tracked, box: Box) -> StoredFrame:
+    lattice = frame.depth[LATTICE].copy()  # a view would hold the whole frame in memory
+    return StoredFrame(frame.time_us, box, _png(frame.depth, box), lattice, tracked.hands)
 
 
 def _drift_mm(lattice: Depth, background: Background) -> np.float32:
@@ -190,15 +190,15 @@ def _drift_mm(lattice: Depth, background: Background) -> np.float32:
 
 
 def _window(
-    stands: NDArray[np.bool_], hands: Sequence[Hand], reach: Box, shape: Sequence[int]
+    above: NDArray[np.bool_], hands: Sequence[Hand], reach: Box, shape: Sequence[int]
 ) -> Box:
-    """Return the box around all that stands above the surface and around the fingertips.
+    """Return the box around everything above the surface and around the fingertips.
 
-    `stands`: of the pixels in reach; `shape`: of the image.
+    `above`: of the pixels in reach; `shape`: of the image.
     """
     left, top, right, bottom = reach
-    columns = np.flatnonzero(np.count_nonzero(stands, axis=0) >= LEAST_PX)
-    rows = np.flatnonzero(np.count_nonzero(stands, axis=1) >= LEAST_PX)
+    columns = np.flatnonzero(np.count_nonzero(above, axis=0) >= LEAST_PX)
+    rows = np.flatnonzero(np.count_nonzero(above, axis=1) >= LEAST_PX)
     corners: list[tuple[float, float]] = []
     if columns.size and rows.size:
         corners += [(left + columns[0], top + rows[0]), (left + columns[-1], top + rows[-1])]

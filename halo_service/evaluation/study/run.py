@@ -1,7 +1,7 @@
-"""Runs the matrix over a pool of processes: each person is calibrated, then does each task.
+"""Runs the study in a pool of processes: each user is calibrated, then does each task.
 
-Rule: what is drawn is kept at once, take by take, so a run that was ended goes on where it was.
-The order in which the processes finish changes nothing in what is returned.
+Rule: each recording is stored as soon as it is simulated, so a run that was stopped continues where
+it was. The order in which the processes finish changes no result.
 """
 
 from __future__ import annotations
@@ -26,164 +26,169 @@ from halo_calibration.errors import Refused
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import METHODS
 from halo_service.evaluation.metrics.result import Result, Subject
-from halo_service.evaluation.study.cache import Studio
-from halo_service.evaluation.study.calibrate import Calibrated, calibrate
-from halo_service.evaluation.study.judge import judged
-from halo_service.evaluation.study.plan import CALIBRATION, Person, Plan, Task
-from halo_service.evaluation.study.recording import load, restore
-from halo_service.evaluation.study.sense import Remembered, together
+from halo_service.evaluation.study.cache import RecordingCache
+from halo_service.evaluation.study.calibrate import CalibratedUser, calibrate
+from halo_service.evaluation.study.judge import judge
+from halo_service.evaluation.study.plan import CALIBRATION, Plan, Task, User
+from halo_service.evaluation.study.recording import load, restored
+from halo_service.evaluation.study.sense import CachedHands, sense_all
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.sim_url import parse_sim_url
 
-DRAWN_MS, SENSED_MS, CALIBRATED_S = 30.0, 2.0, 9.0
-"""What a frame costs to draw and track once, a frame to sense and a person to calibrate for each
+SIMULATE_MS, SENSE_MS, CALIBRATE_S = 30.0, 2.0, 9.0
+"""Cost of simulating and tracking a frame once, of sensing it and of calibrating a user for each
 method: for the progress bar, measured on a slow core."""
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """What is to be run."""
+class StudyRequest:
+    """What to run."""
 
     plan: Plan
     methods: tuple[str, ...]
-    studio: Studio
+    cache: RecordingCache
     settings: SensingSettings
     jobs: int
 
 
 Progress = Callable[[float], None]
-"""Is told seconds of work that are done."""
+"""Receives seconds of work that are done."""
 
 
-def work_s(order: Order) -> float:
-    """Return about how many seconds of one core's work there are."""
+def work_s(request: StudyRequest) -> float:
+    """Estimate the seconds of one core's work."""
     return sum(
-        _work_s(order, person, task)
-        for person, tasks in order.plan.items()
+        _work_s(request, user, task)
+        for user, tasks in request.plan.items()
         for task in (CALIBRATION, *tasks)
     )
 
 
-def run(order: Order, progress: Progress) -> tuple[Result, ...]:
-    """Draw what is not kept yet, calibrate, sense and score; results in the plan's order.
+def run(request: StudyRequest, progress: Progress) -> tuple[Result, ...]:
+    """Simulate what the cache lacks, calibrate, sense and score; results in the plan's order.
 
-    Raises `UserError` where takes cannot be kept or a process was ended from outside.
+    Raises `UserError` where the cache cannot be written or a process was killed.
     """
-    done: dict[tuple[Person, str], tuple[Result, ...]] = {}
+    done: dict[tuple[User, str], tuple[Result, ...]] = {}
     try:
-        with order.studio.to_itself(), _pool(order.jobs) as pool:
-            _conduct(order, pool, done, progress)
+        with request.cache.exclusive(), _pool(request.jobs) as pool:
+            _work_through(request, pool, done, progress)
     except BrokenProcessPool as error:
         raise UserError(
-            "a process of the bench was ended from outside, perhaps for want of memory: run the "
-            "same command again, it goes on where it was; --jobs 1 needs least"
+            "a process of the evaluation was killed, perhaps because memory ran out: run the same "
+            "command again, it continues where it was; --jobs 1 needs the least memory"
         ) from error
     except Timeout as error:
         raise UserError(
-            f"another run is filling {order.studio.folder}: wait for it to end, or choose another "
-            f"place with --keep"
+            f"another run is writing to {request.cache.folder}: wait for it to end, or choose "
+            f"another folder with --cache"
         ) from error
     except OSError as error:
         raise UserError(
-            f"the takes cannot be kept in {order.studio.folder} ({error.strerror or error}); "
-            f"free some space, or choose another place with --keep"
+            f"the recordings cannot be stored in {request.cache.folder} "
+            f"({error.strerror or error}); free some space, or choose another folder with --cache"
         ) from error
     return tuple(
         result
-        for person, tasks in order.plan.items()
+        for user, tasks in request.plan.items()
         for task in tasks
-        for result in done[person, task.name]
+        for result in done[user, task.name]
     )
 
 
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Give a pool of processes; none of them is left behind, whatever ends the work."""
+    """Open a pool of processes; all of them end with it, whatever ends the work."""
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_begin)
     try:
         yield pool
     finally:
         for process in set(multiprocessing.active_children()) - others:
-            process.terminate()  # all is done, or nothing of what is under way is wanted
+            process.terminate()  # all is done, or the rest is no longer needed
         pool.shutdown(cancel_futures=True)
 
 
-def _conduct(
-    order: Order,
+def _work_through(
+    request: StudyRequest,
     pool: ProcessPoolExecutor,
-    done: dict[tuple[Person, str], tuple[Result, ...]],
+    done: dict[tuple[User, str], tuple[Result, ...]],
     progress: Progress,
 ) -> None:
-    """Hand out the work: a person's tasks when she is calibrated."""
+    """Submit the work: a user's tasks once that user is calibrated."""
     costs = {
-        (person, task): _work_s(order, person, task)
-        for person, tasks in order.plan.items()
+        (user, task): _work_s(request, user, task)
+        for user, tasks in request.plan.items()
         for task in (CALIBRATION, *tasks)
     }
-    people = iter(order.plan)
-    pending: dict[Future[Any], tuple[Person, Task]] = {}
+    users = iter(request.plan)
+    pending: dict[Future[Any], tuple[User, Task]] = {}
     while True:
-        # One ahead of the processes: profiles are large, and who is begun is best finished first.
-        for person in islice(people, max(0, order.jobs + 1 - len(pending))):
-            pending[pool.submit(_prepare, order, person)] = person, CALIBRATION
+        # One user more than processes: profiles are large, so users are finished before new ones.
+        for user in islice(users, max(0, request.jobs + 1 - len(pending))):
+            pending[pool.submit(_calibrate, request, user)] = user, CALIBRATION
         if not pending:
             return
         for future in wait(pending, return_when=FIRST_COMPLETED).done:
-            person, task = pending.pop(future)
+            user, task = pending.pop(future)
             outcome = future.result()
-            progress(costs[person, task])
+            progress(costs[user, task])
             if task is not CALIBRATION:
-                done[person, task.name] = outcome
+                done[user, task.name] = outcome
                 continue
-            for each in order.plan[person]:
-                pending[pool.submit(_perform, order, person, each, outcome)] = person, each
+            for each in request.plan[user]:
+                pending[pool.submit(_perform, request, user, each, outcome)] = user, each
 
 
-def _work_s(order: Order, person: Person, task: Task) -> float:
-    frames, methods = task.seconds * FPS, len(order.methods)
-    drawn_s = 0.0 if order.studio.has(person, task) else frames * DRAWN_MS / 1e3
+def _work_s(request: StudyRequest, user: User, task: Task) -> float:
+    frames, methods = task.seconds * FPS, len(request.methods)
+    simulate_s = 0.0 if request.cache.has(user, task) else frames * SIMULATE_MS / 1e3
     if task == CALIBRATION:
-        return drawn_s + methods * CALIBRATED_S
-    return drawn_s + methods * frames * SENSED_MS / 1e3
+        return simulate_s + methods * CALIBRATE_S
+    return simulate_s + methods * frames * SENSE_MS / 1e3
 
 
-def _prepare(order: Order, person: Person) -> Calibrated:
-    methods = [METHODS[name] for name in order.methods]
+def _calibrate(request: StudyRequest, user: User) -> CalibratedUser:
+    methods = [METHODS[name] for name in request.methods]
     try:
-        order.studio.provide(person, CALIBRATION)
-    except Refused as refused:  # the empty table itself is no good
-        return Calibrated(None, {}, dict.fromkeys(order.methods, str(refused)))
-    return calibrate(order.studio.of(person), methods, order.settings)
+        request.cache.ensure(user, CALIBRATION)
+    except Refused as refused:  # the empty table itself cannot be used
+        return CalibratedUser(None, {}, dict.fromkeys(request.methods, str(refused)))
+    return calibrate(request.cache.calibration(user), methods, request.settings)
 
 
-def _perform(order: Order, person: Person, task: Task, known: Calibrated) -> tuple[Result, ...]:
-    """Sense and score one take, by all methods that know the person."""
-    # The person's own over all tasks; a kept take of labels may have outlived its label file.
-    curve = parse_sim_url(person.source(CALIBRATION)).room.curve
-    subject = Subject(person.name, person.seed, person.material, curve.family)
+def _perform(
+    request: StudyRequest, user: User, task: Task, calibrated: CalibratedUser
+) -> tuple[Result, ...]:
+    """Sense and score one recording with all methods that are calibrated for the user."""
+    # The curve is the same in all tasks; the task's own source may need a label file that is gone.
+    curve = parse_sim_url(user.source(CALIBRATION)).room.curve
+    subject = Subject(user.name, user.seed, user.material, curve.family)
     results = {
         name: Result(subject, task.name, name, None, refused)
-        for name, refused in known.refused.items()
+        for name, refused in calibrated.refused.items()
     }
-    if known.background is not None and known.profiles:
-        order.studio.provide(person, task)
-        kept = load(order.studio.path(person, task))
-        captures = (restore(capture, known.background)[0] for capture in kept.captures)
-        methods = [METHODS[name] for name in known.profiles]
-        settings = replace(order.settings, fingers="all") if task.all_fingers else order.settings
-        told = together(captures, factory(), Remembered(kept), methods, known.profiles, settings)
-        truth, script = kept.truth, kept.script
-        for name, profile in known.profiles.items():
-            results[name] = judged(
-                subject, task.name, name, told[name], truth, script, profile, settings
-            )
-    return tuple(results[name] for name in order.methods)
+    if calibrated.background is not None and calibrated.profiles:
+        request.cache.ensure(user, task)
+        recording = load(request.cache.path(user, task))
+        frames = (frame for frame, _ in restored(recording, calibrated.background))
+        methods = [METHODS[name] for name in calibrated.profiles]
+        settings = (
+            replace(request.settings, fingers="all") if task.all_fingers else request.settings
+        )
+        track = CachedHands(recording)
+        published = sense_all(frames, factory(), track, methods, calibrated.profiles, settings)
+        for name, profile in calibrated.profiles.items():
+            results[name] = judge(
+                subject, task.name, name, published[name],
+                recording.truth, recording.script, profile, settings,
+            )  # fmt: skip
+    return tuple(results[name] for name in request.methods)
 
 
 def _begin() -> None:
-    """Make a worker one that ends with its parent, however that ends, and Ctrl-C is not its."""
+    """Make a worker end with its parent, however that ends, and ignore Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     cv2.setNumThreads(1)
     parent = multiprocessing.parent_process()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import tee
 from typing import Any
 
-from halo_service.evaluation.study.recording import Kept
+from halo_service.evaluation.study.recording import StoredRecording
+from halo_service.evaluation.study.simulate import Tracker
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.runtime.method import Method
@@ -16,10 +17,8 @@ from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame, SourceKind, TouchFrame, Tracked
 from halo_service.virtual.camera import factory
 
-Look = Callable[[Frame], Tracked]
 
-
-class Played:
+class FrameSequence:
     """A `Source` of frames that are there already."""
 
     kind: SourceKind = "recording"
@@ -38,36 +37,36 @@ class Played:
         return capture
 
     def close(self) -> None:
-        """There is nothing to let go."""
+        """Nothing to release."""
 
 
-class Remembered:
-    """A hand tracker that says again what it saw when the take was made."""
+class CachedHands:
+    """A hand tracker that returns the hands of a stored recording."""
 
-    def __init__(self, kept: Kept) -> None:
-        self._seen = {each.time_us: Tracked(each.time_us, each.hands) for each in kept.captures}
+    def __init__(self, recording: StoredRecording) -> None:
+        self._hands = {each.time_us: Tracked(each.time_us, each.hands) for each in recording.frames}
 
     def __call__(self, frame: Frame) -> Tracked:
-        """Return the hands in one of the take's frames."""
-        return self._seen[frame.time_us]
+        """Return the hands in one of the recording's frames."""
+        return self._hands[frame.time_us]
 
 
-class Once:
-    """A hand tracker that is asked by several for the same frame, and looks once."""
+class SharedTracker:
+    """A hand tracker for several callers that ask for the same frame; it runs once per frame."""
 
-    def __init__(self, look: Look) -> None:
-        self._look = look
+    def __init__(self, track: Tracker) -> None:
+        self._track = track
         self._last: tuple[Frame, Tracked] | None = None
 
     def __call__(self, frame: Frame) -> Tracked:
         """Return the hands in this frame."""
         if self._last is None or self._last[0] is not frame:
-            self._last = frame, self._look(frame)
+            self._last = frame, self._track(frame)
         return self._last[1]
 
 
 def captures_of(source: Source) -> Iterator[Frame | BadFrame]:
-    """Yield what a source gives until it ends."""
+    """Yield all captures of a source until it ends."""
     while True:
         try:
             capture = source.read(1.0)
@@ -77,10 +76,10 @@ def captures_of(source: Source) -> Iterator[Frame | BadFrame]:
             yield capture
 
 
-def together(
+def sense_all(
     captures: Iterable[Frame | BadFrame],
     camera: Camera,
-    look: Look,
+    track: Tracker,
     methods: Sequence[Method[Any]],
     profiles: Mapping[str, Profile],
     settings: SensingSettings,
@@ -90,10 +89,16 @@ def together(
     Every frame goes to all methods before the next is read, so each is decoded once.
     """
     runs = [
-        replay(Played(copy, camera), look, method, method.start(profiles[method.name], settings))
+        replay(
+            FrameSequence(copy, camera),
+            track,
+            method,
+            method.start(profiles[method.name], settings),
+        )
         for method, copy in zip(methods, tee(captures, len(methods)), strict=True)
     ]
-    told = list(zip(*runs, strict=True))
+    published = list(zip(*runs, strict=True))
     return {
-        method.name: tuple(each[index] for each in told) for index, method in enumerate(methods)
+        method.name: tuple(each[index] for each in published)
+        for index, method in enumerate(methods)
     }

@@ -1,4 +1,4 @@
-"""From rows to figures: pure, so every number in it is known."""
+"""From rows to figures, on rows with known numbers."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pytest
 from halo_service.app.benchmarking.table import table
 from halo_service.evaluation.latency.blocks import Arrangement, Block, Spent
 from halo_service.evaluation.latency.figures import Case, case_of, goals
-from halo_service.evaluation.latency.listener import Heard
-from halo_service.evaluation.latency.raw_frames import Handed
-from halo_service.evaluation.latency.simulate import Take, TrueContact
+from halo_service.evaluation.latency.listener import Received
+from halo_service.evaluation.latency.raw_frames import RawFrame
+from halo_service.evaluation.latency.simulate import LatencyRecording, TrueContact
 from halo_service.evaluation.latency.stopwatch import Row
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
@@ -40,7 +40,14 @@ def block(arrangement: Arrangement, ms: Sequence[float], *downs_at: int) -> Bloc
     spent = Spent(2.0 * len(ms), 1.0 * len(ms), 0.5 * len(ms))
     ages = (33.0, 35.0) if arrangement == "ours" else ()
     return Block(
-        arrangement, rows, len(ms), 0, spent, Heard(9, len(ms) + 1), unasked=1, hands_ms=ages
+        arrangement,
+        rows,
+        len(ms),
+        0,
+        spent,
+        Received(9, len(ms) + 1),
+        extra_packets=1,
+        hands_ms=ages,
     )
 
 
@@ -48,8 +55,8 @@ def case(profile: Profile, camera: Camera, *blocks: Block, contacts: Sequence[in
     """`contacts`: when they begin, us; all in the middle of the surface."""
     middle = profile.surface.to_camera(np.array([[150.0, 100.0, 0.0]]))[0].tolist()
     true = tuple(TrueContact(us, us + 100_000, tuple(middle)) for us in contacts)
-    take = Take("sim:x", "virtual", camera, (Handed(0, b"", b"", None),), true)
-    return case_of(take, 1, blocks, profile.surface)
+    recording = LatencyRecording("sim:x", "virtual", camera, (RawFrame(0, b"", b"", None),), true)
+    return case_of(recording, 1, blocks, profile.surface)
 
 
 def test_stages_percentiles_and_work_are_summed_over_all_blocks(
@@ -63,8 +70,8 @@ def test_stages_percentiles_and_work_are_summed_over_all_blocks(
         block("ours", [4.0, 6.0]),
     )
     ours = summed.ours
-    assert (ours.frames, ours.heard, ours.dropped) == (4, 4, 0)
-    assert (ours.latency.median, ours.latency.most) == pytest.approx((4.0, 6.0))
+    assert (ours.frames, ours.received, ours.dropped) == (4, 4, 0)
+    assert (ours.latency.median, ours.latency.largest) == pytest.approx((4.0, 6.0))
     assert ours.stages["wait"].median + ours.stages["send"].median == pytest.approx(4.0)
     assert (ours.cpu_a_frame, ours.path_cpu_a_frame) == pytest.approx((2.0, 1.0))
     assert ours.core_wait_a_frame == pytest.approx(0.5)
@@ -79,7 +86,7 @@ def test_stages_percentiles_and_work_are_summed_over_all_blocks(
     ("begins_us", "downs_at", "delay_ms", "early"),
     [
         pytest.param(70_000, (3,), 99.999 - 70.0 + 4.0, 0, id="in the frame after the contact"),
-        pytest.param(105_000, (3,), 0.0, 1, id="foreseen by a few milliseconds"),
+        pytest.param(105_000, (3,), 0.0, 1, id="predicted by a few milliseconds"),
         pytest.param(200_000, (3,), None, 0, id="long before the contact"),
         pytest.param(10_000, (9,), None, 0, id="long after it"),
         pytest.param(70_000, (), None, 0, id="never"),
@@ -100,17 +107,17 @@ def test_contact_to_down_is_the_frame_s_age_and_what_it_took(
         block("sequential", [40.0] * 12),
         contacts=[begins_us],
     )
-    told = summed.contacts
+    contacts = summed.contacts
     if delay_ms is None:
-        assert told is None
+        assert contacts is None
     else:
-        assert told is not None
-        assert (told.true, told.told, told.early) == (1, 1, early)
-        assert told.median_ms == pytest.approx(delay_ms)
-        assert told.median_frames == pytest.approx(delay_ms / (1000 / 30))
+        assert contacts is not None
+        assert (contacts.true, contacts.reported, contacts.early) == (1, 1, early)
+        assert contacts.median_ms == pytest.approx(delay_ms)
+        assert contacts.median_frames == pytest.approx(delay_ms / (1000 / 30))
 
 
-def test_what_is_sent_before_a_contact_makes_up_for_nothing(
+def test_an_early_down_counts_as_0_ms_and_hides_no_late_one(
     profile: Profile, camera: Camera
 ) -> None:
     summed = case(
@@ -120,14 +127,14 @@ def test_what_is_sent_before_a_contact_makes_up_for_nothing(
         block("sequential", [40.0] * 12),
         contacts=[140_000, 290_000],  # 36 ms after the one message, 14 ms before the other
     )
-    told = summed.contacts
-    assert told is not None
-    assert told.early == 1
-    assert told.median_ms == pytest.approx((0.0 + 9 * FRAME_US / 1e3 + 4.0 - 290.0) / 2)
-    assert "2 of 2 told, 1 before contact" in "\n".join(table(summed))
+    contacts = summed.contacts
+    assert contacts is not None
+    assert contacts.early == 1
+    assert contacts.median_ms == pytest.approx((0.0 + 9 * FRAME_US / 1e3 + 4.0 - 290.0) / 2)
+    assert "2 of 2 reported, 1 before contact" in "\n".join(table(summed))
 
 
-def test_one_down_tells_one_contact(profile: Profile, camera: Camera) -> None:
+def test_one_down_belongs_to_one_contact(profile: Profile, camera: Camera) -> None:
     summed = case(
         profile,
         camera,
@@ -136,7 +143,7 @@ def test_one_down_tells_one_contact(profile: Profile, camera: Camera) -> None:
         contacts=[80_000, 90_000],
     )
     assert summed.contacts is not None
-    assert (summed.contacts.true, summed.contacts.told) == (2, 1)
+    assert (summed.contacts.true, summed.contacts.reported) == (2, 1)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +155,7 @@ def test_one_down_tells_one_contact(profile: Profile, camera: Camera) -> None:
         (14.0, 80.0, [False, False, True, True]),
     ],
 )
-def test_each_goal_says_whether_it_is_reached(
+def test_each_goal_passes_or_fails(
     profile: Profile,
     camera: Camera,
     ours_ms: float,
@@ -163,13 +170,13 @@ def test_each_goal_says_whether_it_is_reached(
         contacts=[90_000],
     )
     assert [goal.passed for goal in goals(summed)] == passed
-    told = "\n".join(table(summed))
-    assert "waited" not in told  # 0.5 ms a frame are nothing
-    assert told.count("pass") == sum(passed)
-    assert told.count("falls short") == len(passed) - sum(passed)
+    text = "\n".join(table(summed))
+    assert "waited" not in text  # 0.5 ms per frame are negligible
+    assert text.count("pass") == sum(passed)
+    assert text.count("falls short") == len(passed) - sum(passed)
 
 
-def test_a_late_down_falls_short(profile: Profile, camera: Camera) -> None:
+def test_a_late_down_fails(profile: Profile, camera: Camera) -> None:
     summed = case(
         profile,
         camera,
@@ -181,21 +188,21 @@ def test_a_late_down_falls_short(profile: Profile, camera: Camera) -> None:
 
 
 def test_a_case_is_plain_enough_for_json(profile: Profile, camera: Camera) -> None:
-    said = asdict(case(profile, camera, block("ours", [3.0]), block("sequential", [40.0])))
-    assert set(said) == {"source", "hands", "ours", "sequential", "contacts"}
-    for each in (said["ours"], said["sequential"]):
+    fields = asdict(case(profile, camera, block("ours", [3.0]), block("sequential", [40.0])))
+    assert set(fields) == {"source", "hands", "ours", "sequential", "contacts"}
+    for each in (fields["ours"], fields["sequential"]):
         assert set(each) == {
-            "frames", "dropped", "heard", "datagrams", "latency", "stages", "cpu_a_frame",
+            "frames", "dropped", "received", "datagrams", "latency", "stages", "cpu_a_frame",
             "path_cpu_a_frame", "core_wait_a_frame", "hands",
         }  # fmt: skip
-        assert set(each["latency"]) == {"median", "p95", "p99", "most"}
+        assert set(each["latency"]) == {"median", "p95", "p99", "largest"}
 
 
-def test_a_disturbed_run_says_so(profile: Profile, camera: Camera) -> None:
+def test_a_disturbed_run_has_a_note(profile: Profile, camera: Camera) -> None:
     ours = block("ours", [9.0] * 6)
     disturbed = replace(ours, spent=replace(ours.spent, core_wait_ms=6 * 4.2))
-    told = "\n".join(table(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
-    assert "waited 4.2 ms for a core" in told
+    text = "\n".join(table(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
+    assert "waited 4.2 ms for a core" in text
 
 
 def test_the_table_names_each_stage_of_either_once(profile: Profile, camera: Camera) -> None:

@@ -64,7 +64,7 @@ def table(profile: Profile) -> Profile:
     return replace(profile, touch=replace(profile.touch, **states))
 
 
-def play(
+def run(
     method: Method[Any],
     profile: Profile | None,
     see: See,
@@ -73,65 +73,67 @@ def play(
 ) -> tuple[list[TouchFrame], Any]:
     """One finger, or one at each of `tips`; the hands come a frame late."""
     state = method.start(profile, SensingSettings())
-    told = []
+    published = []
     for n, height in enumerate(heights):
         seen = see(TIP, time_us=(n - 1) * FRAME_US, off=ON_THE_TIP) if n else None
         frame, state = method.step(state, frame_of(height, n, *tips), seen)
-        told.append(frame)
-    return told, state
+        published.append(frame)
+    return published, state
 
 
-def kinds(told: Sequence[TouchFrame]) -> list[str]:
-    return [event.kind for frame in told for event in frame.events]
+def kinds(published: Sequence[TouchFrame]) -> list[str]:
+    return [event.kind for frame in published for event in frame.events]
 
 
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_tap_is_one_down_and_one_up(name: str, table: Profile, see: See) -> None:
-    told, _ = play(METHODS[name], table, see, TAP * 3)
-    assert kinds(told) == ["down", "up"] * 3
-    (down, *_) = [event for frame in told for event in frame.events]
+    published, _ = run(METHODS[name], table, see, TAP * 3)
+    assert kinds(published) == ["down", "up"] * 3
+    (down, *_) = [event for frame in published for event in frame.events]
     assert abs(down.x_mm - (TIP[0] - 319.5 + 150.0)) < 2.0
     assert abs(down.y_mm - (TIP[1] - 287.5 + 100.0)) < 10.0
 
 
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_finger_in_the_air_never_touches(name: str, table: Profile, see: See) -> None:
-    told, _ = play(METHODS[name], table, see, (*AIR, *AIR[::-1]) * 3)
-    assert kinds(told) == []
+    published, _ = run(METHODS[name], table, see, (*AIR, *AIR[::-1]) * 3)
+    assert kinds(published) == []
 
 
 @pytest.mark.parametrize("name", RIVALS)
 def test_a_clear_ends_the_touch_once(name: str, table: Profile, see: See) -> None:
     method = METHODS[name]
-    told, state = play(method, table, see, (*AIR, *DOWN))
-    assert told[-1].pointers[0].state is Touch.TOUCH
-    cleared, state = method.clear(state, len(told) * FRAME_US)
+    published, state = run(method, table, see, (*AIR, *DOWN))
+    assert published[-1].pointers[0].state is Touch.TOUCH
+    cleared, state = method.clear(state, len(published) * FRAME_US)
     assert (kinds([cleared]), cleared.pointers) == (["up"], ())
-    again, _ = method.clear(state, (len(told) + 1) * FRAME_US)
+    again, _ = method.clear(state, (len(published) + 1) * FRAME_US)
     assert kinds([again]) == []
 
 
 @pytest.mark.parametrize("name", RIVALS)
-def test_the_same_frames_tell_the_same(name: str, table: Profile, see: See) -> None:
-    once, _ = play(METHODS[name], table, see, TAP)
-    again, _ = play(METHODS[name], table, see, TAP)
+def test_the_same_frames_give_the_same(name: str, table: Profile, see: See) -> None:
+    once, _ = run(METHODS[name], table, see, TAP)
+    again, _ = run(METHODS[name], table, see, TAP)
     assert repr(once) == repr(again)
 
 
 @pytest.mark.parametrize("name", RIVALS)
 def test_without_a_profile_there_are_no_pointers(name: str, see: See) -> None:
-    told, _ = play(METHODS[name], None, see, TAP)
-    assert all(frame.pointers == () and frame.events == () for frame in told)
+    published, _ = run(METHODS[name], None, see, TAP)
+    assert all(frame.pointers == () and frame.events == () for frame in published)
 
 
 @pytest.mark.parametrize("name", ("direct", "wilson"))
 def test_two_fingers_keep_their_ids(name: str, table: Profile, see: See) -> None:
-    told, _ = play(METHODS[name], table, see, DOWN, (250, 250), (390, 260))
-    assert {tuple(sorted(each.id for each in frame.pointers)) for frame in told} == {(1, 2)}
-    sides = {each.id: each.x_mm < 150.0 for each in told[0].pointers}
-    assert all(sides[each.id] == (each.x_mm < 150.0) for frame in told for each in frame.pointers)
+    published, _ = run(METHODS[name], table, see, DOWN, (250, 250), (390, 260))
+    assert {tuple(sorted(each.id for each in frame.pointers)) for frame in published} == {(1, 2)}
+    sides = {each.id: each.x_mm < 150.0 for each in published[0].pointers}
+    assert all(
+        sides[each.id] == (each.x_mm < 150.0) for frame in published for each in frame.pointers
+    )
 
 
-def test_an_unknown_method_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(UserError, match="known: ours, paper, direct, wilson"):
+def test_an_unknown_method_lists_the_valid_ones() -> None:
+    with pytest.raises(UserError, match="choose from: ours, paper, direct, wilson"):
         method_named("magic")

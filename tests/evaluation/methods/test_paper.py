@@ -33,7 +33,7 @@ def run(levels: list[float], speed_mm_s: float = 0.0) -> list[bool]:
 
 
 COURSES = {
-    "a touch is told with its rise and ends when two frames agree": (
+    "a touch begins with its rise and ends when two frames agree": (
         [0, 0, 1, 1, 1, 0, 0, 0],
         [False, False, True, True, True, True, False, False],
     ),
@@ -65,26 +65,26 @@ def test_a_frame_waits_for_its_own_hands(profile: Profile, draw: Draw, see: See)
     frames = [draw((300.0 + 5.0 * n, 288.0), 0.0, 0.0, n * FRAME_US) for n in range(4)]
     for n, frame in enumerate(frames):
         seen = see((300.0 + 5.0 * (n - 2), 288.0), (n - 2) * FRAME_US) if n >= 2 else None
-        told, state = PAPER.step(state, frame, seen)
-        assert len(told.pointers) == (n >= 2)
-    (pointer,) = told.pointers
+        published, state = PAPER.step(state, frame, seen)
+        assert len(published.pointers) == (n >= 2)
+    (pointer,) = published.pointers
     assert pointer.diagnostics.tip_px[0] == 305.0  # the second frame's, two frames ago
 
 
-def test_a_hand_that_is_lost_lets_go(profile: Profile, draw: Draw, see: See) -> None:
+def test_a_lost_hand_releases_its_pointer(profile: Profile, draw: Draw, see: See) -> None:
     """The drawn states: 1500 mm px is subtle, 2000 touch; 2880 is a dent of 12 mm."""
     state = PAPER.start(profile, SensingSettings())
-    told = []
+    published = []
     for n in range(20):
         signal = 0.0 if n < 4 else 2880.0
         seen = see(time_us=n * FRAME_US, off=ON_THE_TIP)
         lost = Tracked(n * FRAME_US, ())
         frame = draw(signal=signal, time_us=n * FRAME_US)
         result, state = PAPER.step(state, frame, seen if n < 10 else lost)
-        told.append(result)
-    events = [(n, event.kind) for n, frame in enumerate(told) for event in frame.events]
+        published.append(result)
+    events = [(n, event.kind) for n, frame in enumerate(published) for event in frame.events]
     assert events == [(4, "down"), (17, "up")]
-    assert [frame.pointers[0].state for frame in told[4:17]] == [Touch.TOUCH] * 13
+    assert [frame.pointers[0].state for frame in published[4:17]] == [Touch.TOUCH] * 13
 
 
 def test_it_learns_the_states_of_its_own_signal(profile: Profile, draw: Draw, see: See) -> None:
@@ -103,13 +103,13 @@ def test_it_learns_the_states_of_its_own_signal(profile: Profile, draw: Draw, se
     assert np.allclose(states, [240.0 * dent for dent in dents.values()])
 
 
-def test_its_correction_stands_on_the_base_model_that_ours_stands_on(
+def test_its_correction_uses_the_same_base_model_as_ours(
     profile: Profile, draw: Draw, see: See, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A camera's own, from somebody's pilots, is nothing to the bench."""
+    """The evaluation ignores a camera's own base model."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     serial = profile.camera.serial
-    mine = replace(read_base(VIRTUAL), name="somebody's", camera_serial=serial)
+    mine = replace(read_base(VIRTUAL), name="another", camera_serial=serial)
     write_base(mine, pilot_path(serial))
     signals = [240.0 * dent for dent in (9, 10, 12, 16)]
     held = [((320.0, 288.0), signal) for signal in signals for _ in range(30)]

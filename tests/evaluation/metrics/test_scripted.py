@@ -1,10 +1,10 @@
-"""A session under a real camera: what was told against what was asked, without any truth."""
+"""A session under a real camera: reports are compared with the script, without any truth."""
 
 import pytest
 
-from halo_service.evaluation.metrics.scripted import score_asked
+from halo_service.evaluation.metrics.scripted import score_script
 from halo_service.values import Touch
-from tests.evaluation.small_world import SURFACE, down, pointer, told_frames, up
+from tests.evaluation.small_world import SURFACE, down, pointer, published_frames, up
 
 
 def target(begin, end, x_mm=100.0, y_mm=100.0):
@@ -14,29 +14,29 @@ def target(begin, end, x_mm=100.0, y_mm=100.0):
 CASES = {
     "touched once": ({20: [down()]}, (1, 0, 0, 0)),
     "not touched": ({}, (0, 1, 0, 0)),
-    "told twice": ({20: [down()], 30: [down()]}, (1, 0, 1, 0)),
-    "told elsewhere": ({20: [down(x_mm=140.0)]}, (0, 1, 0, 1)),
-    "told before it was asked for": ({5: [down()]}, (0, 1, 0, 0)),
+    "reported twice": ({20: [down()], 30: [down()]}, (1, 0, 1, 0)),
+    "reported elsewhere": ({20: [down(x_mm=140.0)]}, (0, 1, 0, 1)),
+    "reported before the step": ({5: [down()]}, (0, 1, 0, 0)),
 }
 
 
 @pytest.mark.parametrize("downs, counts", CASES.values(), ids=CASES.keys())
-def test_each_target_is_touched_once_while_it_is_asked_for(downs, counts):
-    touches = score_asked(told_frames(60, downs), [target(0.5, 1.5)], SURFACE).touches
+def test_each_target_is_touched_once_during_its_step(downs, counts):
+    touches = score_script(published_frames(60, downs), [target(0.5, 1.5)], SURFACE).touches
     found = touches.hits, touches.missed, touches.doubled, touches.outside
     assert tuple(map(len, found)) == counts
 
 
-def test_place_is_judged_from_the_target_and_time_not_at_all():
+def test_place_is_measured_from_the_target_and_time_not_at_all():
     events = {20: [down(x_mm=103.0, y_mm=104.0)], 25: [up()]}
-    scores = score_asked(told_frames(60, events), [target(0.5, 1.5)], SURFACE)
+    scores = score_script(published_frames(60, events), [target(0.5, 1.5)], SURFACE)
     (hit,) = scores.touches.hits
     assert hit.true_mm == pytest.approx((100.0, 100.0))
     assert (scores.timing, scores.strikes, scores.velocities) == ((), (), ())
 
 
 @pytest.mark.parametrize(
-    "step, told, error",
+    "step, reported, error",
     [
         ({"step": "hover", "height_mm": 10.0}, {"hover_mm": 12.5}, 2.5),
         (
@@ -47,19 +47,19 @@ def test_place_is_judged_from_the_target_and_time_not_at_all():
     ],
     ids=["hover", "pressure"],
 )
-def test_levels_are_judged_against_what_spacer_or_scale_says(step, told, error):
-    asked = step | {"from_s": 0.5, "to_s": 1.5}
-    pointers = {k: [pointer(2, hover_mm=80.0), pointer(1, 60.0, **told)] for k in range(60)}
-    (trial,) = score_asked(told_frames(60, pointers=pointers), [asked], SURFACE).trials
-    assert (trial.error, trial.unseen) == pytest.approx((error, 0.0))
+def test_levels_are_compared_with_the_spacer_or_scale(step, reported, error):
+    script = step | {"from_s": 0.5, "to_s": 1.5}
+    pointers = {k: [pointer(2, hover_mm=80.0), pointer(1, 60.0, **reported)] for k in range(60)}
+    (trial,) = score_script(published_frames(60, pointers=pointers), [script], SURFACE).trials
+    assert (trial.error, trial.no_reading) == pytest.approx((error, 0.0))
 
 
-def test_a_level_that_nobody_told_is_unseen():
-    asked = {"step": "hover", "height_mm": 10.0, "from_s": 0.5, "to_s": 1.5}
+def test_a_level_without_a_pointer_has_no_reading():
+    script = {"step": "hover", "height_mm": 10.0, "from_s": 0.5, "to_s": 1.5}
     pointers = {k: [] for k in range(60)}
-    (trial,) = score_asked(told_frames(60, pointers=pointers), [asked], SURFACE).trials
-    assert trial.unseen == 1.0
+    (trial,) = score_script(published_frames(60, pointers=pointers), [script], SURFACE).trials
+    assert trial.no_reading == 1.0
 
 
-def test_no_frames_are_no_scores():
-    assert score_asked((), [target(0.0, 1.0)], SURFACE).touches.true == 0
+def test_without_frames_there_are_no_scores():
+    assert score_script((), [target(0.0, 1.0)], SURFACE).touches.true == 0

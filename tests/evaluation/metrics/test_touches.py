@@ -1,11 +1,12 @@
-"""Touches: every true one is scored once, and every published one is accounted for."""
+"""Touches: every true one is scored once, and every published one is counted."""
 
 import itertools
 
 import pytest
 
+from halo_service.evaluation.metrics.pool import pool
 from halo_service.evaluation.metrics.timing import score_timing
-from halo_service.evaluation.metrics.touches import Touches, pooled, score_touches
+from halo_service.evaluation.metrics.touches import Touches, score_touches
 from halo_service.evaluation.metrics.truth import read_truth
 from tests.evaluation.small_world import (
     SURFACE,
@@ -13,18 +14,18 @@ from tests.evaluation.small_world import (
     contact,
     down,
     finger,
-    told_frames,
+    published_frames,
     truth_frames,
     up,
 )
 
 LONG = 40
-KINDS = ("hits", "missed", "doubled", "outside", "ghosts", "blind")
+KINDS = ("hits", "missed", "doubled", "outside", "ghosts", "between_frames")
 
 
 def scored(contacts, downs, frames=LONG):
     truth = read_truth([*truth_frames(frames), *contacts], SURFACE)
-    return score_touches(told_frames(frames, downs), truth)
+    return score_touches(published_frames(frames, downs), truth)
 
 
 def counts(touches):
@@ -32,44 +33,52 @@ def counts(touches):
 
 
 CASES = {
-    "told in the first frame of contact": ([contact(4.5, 9)], {5: [down()]}, {"hits": 1}),
-    "told two frames late": ([contact(4.5, 9)], {7: [down()]}, {"hits": 1}),
-    "told just after it ended": ([contact(4.5, 6.5)], {8: [down()]}, {"hits": 1}),
-    "told a frame early": ([contact(6.0, 9)], {5: [down()]}, {"hits": 1}),
-    "told far too early": ([contact(9.0, 12)], {5: [down()]}, {"missed": 1, "ghosts": 1}),
-    "told long after it ended": ([contact(4.5, 6.5)], {11: [down()]}, {"missed": 1, "ghosts": 1}),
-    "never told": ([contact(4.5, 9)], {}, {"missed": 1}),
-    "told twice": ([contact(4.5, 12)], {5: [down()], 9: [down()]}, {"hits": 1, "doubled": 1}),
-    "told thrice": (
+    "reported in the first frame of contact": ([contact(4.5, 9)], {5: [down()]}, {"hits": 1}),
+    "reported two frames late": ([contact(4.5, 9)], {7: [down()]}, {"hits": 1}),
+    "reported just after it ended": ([contact(4.5, 6.5)], {8: [down()]}, {"hits": 1}),
+    "reported a frame early": ([contact(6.0, 9)], {5: [down()]}, {"hits": 1}),
+    "reported far too early": ([contact(9.0, 12)], {5: [down()]}, {"missed": 1, "ghosts": 1}),
+    "reported long after it ended": (
+        [contact(4.5, 6.5)],
+        {11: [down()]},
+        {"missed": 1, "ghosts": 1},
+    ),
+    "never reported": ([contact(4.5, 9)], {}, {"missed": 1}),
+    "reported twice": ([contact(4.5, 12)], {5: [down()], 9: [down()]}, {"hits": 1, "doubled": 1}),
+    "reported thrice": (
         [contact(4.5, 15)],
         {5: [down()], 9: [down()], 12: [down()]},
         {"hits": 1, "doubled": 2},
     ),
-    "told 24 mm off": ([contact(4.5, 9)], {5: [down(x_mm=124.0)]}, {"hits": 1}),
-    "told 26 mm off": ([contact(4.5, 9)], {5: [down(x_mm=126.0)]}, {"missed": 1, "outside": 1}),
-    "told near the finger, far from the target": (
+    "reported 24 mm off": ([contact(4.5, 9)], {5: [down(x_mm=124.0)]}, {"hits": 1}),
+    "reported 26 mm off": ([contact(4.5, 9)], {5: [down(x_mm=126.0)]}, {"missed": 1, "outside": 1}),
+    "reported near the finger, far from the target": (
         [contact(4.5, 9, target_mm=[130.0, 100.0])],
         {5: [down()]},
         {"missed": 1, "outside": 1},
     ),
-    "told while nothing touched": ([], {5: [down()]}, {"ghosts": 1}),
-    "two that follow closely, each told": (
+    "reported while nothing touched": ([], {5: [down()]}, {"ghosts": 1}),
+    "two that follow closely, each reported": (
         [contact(4.5, 6.5), contact(8.5, 11)],
         {7: [down()], 9: [down()]},
         {"hits": 2},
     ),
-    "two that follow closely, told as one": (
+    "two that follow closely, reported as one": (
         [contact(4.5, 6.5), contact(8.5, 11)],
         {5: [down()]},
         {"hits": 1, "missed": 1},
     ),
-    "two fingers at once, one told": (
+    "two fingers at once, one reported": (
         [contact(4.5, 9), contact(4.5, 9, 200.0, finger="middle")],
         {5: [down(2, 200.0)]},
         {"hits": 1, "missed": 1},
     ),
-    "a tap between two frames, told": ([contact(4.3, 4.6)], {5: [down()]}, {"blind": 1}),
-    "a tap between two frames, not told": ([contact(4.3, 4.6)], {}, {"blind": 1}),
+    "between two frames, reported": (
+        [contact(4.3, 4.6)],
+        {5: [down()]},
+        {"between_frames": 1},
+    ),
+    "between two frames, not reported": ([contact(4.3, 4.6)], {}, {"between_frames": 1}),
 }
 
 
@@ -94,12 +103,12 @@ def test_a_touch_that_the_end_cuts_off_is_neither_hit_nor_missed():
     truth = read_truth(truth_frames(10, pressed), SURFACE)
     assert [touch.ended for touch in truth.touches] == [False]
     for downs in ({}, {8: [down()]}):
-        assert counts(score_touches(told_frames(10, downs), truth)) == {}
+        assert counts(score_touches(published_frames(10, downs), truth)) == {}
 
 
-def test_a_touch_without_a_frame_is_told_apart_and_costs_no_precision():
+def test_a_touch_between_frames_is_counted_separately_and_costs_no_precision():
     touches = scored([contact(4.3, 4.6), contact(10, 14)], {5: [down()], 10: [down()]})
-    assert (touches.true, touches.blind_hits, touches.precision) == (1, 1, 1.0)
+    assert (touches.true, touches.between_frames_hits, touches.precision) == (1, 1, 1.0)
 
 
 def test_the_papers_own_counts_give_the_papers_own_shares():
@@ -107,18 +116,18 @@ def test_the_papers_own_counts_give_the_papers_own_shares():
     one = scored([contact(4.5, 9)], {5: [down()]})
     two = scored([contact(4.5, 12)], {5: [down()], 9: [down()]})
     none = scored([contact(4.5, 9)], {})
-    told = pooled([one] * (3840 - 13 - 45) + [two] * 45 + [none] * 13)
-    assert told.true == 3840
-    assert (round(told.precision, 3), round(told.recall, 3), round(told.f1, 3)) == (
+    all_ = pool(Touches, [one] * (3840 - 13 - 45) + [two] * 45 + [none] * 13)
+    assert all_.true == 3840
+    assert (round(all_.precision, 3), round(all_.recall, 3), round(all_.f1, 3)) == (
         0.988, 0.997, 0.992,
     )  # fmt: skip
 
 
-def test_nothing_told_of_nothing_is_no_error():
+def test_no_report_without_touches_is_no_error():
     assert (Touches().precision, Touches().recall, Touches().f1) == (1.0, 1.0, 1.0)
 
 
-def test_a_touch_is_timed_by_the_frame_that_told_it():
+def test_a_touch_is_timed_by_the_frame_that_reported_it():
     downs = {7: [down(ago_ms=60.0)], 12: [up(ago_ms=50.0)]}
     (timing,) = score_timing(scored([contact(4.5, 10.0)], downs).hits)
     assert timing.frames_late == 2  # frame 5 was the first in contact

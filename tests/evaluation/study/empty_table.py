@@ -1,4 +1,4 @@
-"""A studio whose tracker sees nobody, and a folder with one person's empty table in it."""
+"""One user's calibration in which nobody comes, and a hand tracker that finds nobody."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from halo_service.evaluation.study.cache import Look, Studio
-from halo_service.evaluation.study.plan import CALIBRATION, Person, Task
-from halo_service.evaluation.study.recording import Kept, Line, keep_whole, save
+from halo_service.evaluation.study.cache import RecordingCache
+from halo_service.evaluation.study.plan import CALIBRATION, Task, User
+from halo_service.evaluation.study.recording import Line, StoredRecording, save, store_whole
+from halo_service.evaluation.study.simulate import Tracker
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Tracked
@@ -16,7 +17,7 @@ from halo_service.virtual.offline import Take
 from halo_service.virtual.scenarios.calibration import BACKGROUND_S
 from halo_service.virtual.sim_url import parse_sim_url
 
-PERSON = Person(205, "paper")
+USER = User(205, "paper")
 SHORT = Task("short", "demo", 0.5, ends=False)
 LONG = Task("long", "demo", 60.0, ends=False)
 STATES = ("hover", "subtle", "touch", "pressure")
@@ -24,22 +25,26 @@ SCRIPT: tuple[Line, ...] = (
     {"step": "background", "from_s": 0.0, "to_s": BACKGROUND_S},
     *({"step": name, "from_s": 3.0 + k, "to_s": 3.5 + k} for k, name in enumerate(STATES)),
 )
-"""The states of which nobody has come to hold any."""
+"""Nobody holds any of the states."""
 
 
 @contextmanager
-def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Look]:
-    """A hand tracker that sees nobody: who draws takes needs no more."""
+def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Tracker]:
+    """A hand tracker that finds nobody: simulating needs no more."""
     yield lambda frame: Tracked(frame.time_us, ())
 
 
-def studio_in(folder: Path) -> Studio:
-    """Keep a person's empty table there, and nothing else."""
-    studio = Studio(folder, blind, "nobody")
+def store_empty_table(folder: Path) -> None:
+    """Store the user's calibration with the empty table alone."""
     empty = Take(
-        parse_sim_url(f"sim:idle?seed={PERSON.seed}&material=paper"), BACKGROUND_S, colour=False
+        parse_sim_url(f"sim:idle?seed={USER.seed}&material=paper"), BACKGROUND_S, colour=False
     )
-    captures = [keep_whole(frame, Tracked(0, ())) for frame, _ in empty if frame is not None]
-    made = studio.made(PERSON, CALIBRATION)
-    save(studio.path(PERSON, CALIBRATION), Kept(tuple(captures), (), SCRIPT), made)
-    return studio
+    frames = [store_whole(frame, Tracked(0, ())) for frame, _ in empty if frame is not None]
+    cache = cache_in(folder)
+    recording = StoredRecording(tuple(frames), (), SCRIPT)
+    save(cache.path(USER, CALIBRATION), recording, cache.key(USER, CALIBRATION))
+
+
+def cache_in(folder: Path) -> RecordingCache:
+    """Return a cache whose tracker finds nobody."""
+    return RecordingCache(folder, blind, "nobody")

@@ -1,4 +1,4 @@
-"""Takes are kept whole or not at all, and a run that was killed goes on where it was."""
+"""Recordings are stored whole or not at all, and a killed run continues where it was."""
 
 from __future__ import annotations
 
@@ -11,46 +11,43 @@ from pathlib import Path
 import pytest
 from filelock import Timeout
 
-from halo_service.evaluation.study import recording as kept_module
-from halo_service.evaluation.study.cache import Studio
+from halo_service.evaluation.study import recording as recording_module
+from halo_service.evaluation.study.cache import RecordingCache
 from halo_service.evaluation.study.plan import CALIBRATION, Task
-from halo_service.evaluation.study.recording import Kept, load, save
-from tests.evaluation.study.empty_table import LONG, PERSON, SHORT, studio_in
+from halo_service.evaluation.study.recording import StoredRecording, load, save
+from tests.evaluation.study.empty_table import LONG, SHORT, USER
 
 
-@pytest.fixture(scope="module")
-def studio(tmp_path_factory: pytest.TempPathFactory) -> Studio:
-    return studio_in(tmp_path_factory.mktemp("takes"))
-
-
-def test_a_take_that_is_kept_is_not_drawn_again_and_another_one_is(studio: Studio) -> None:
-    studio.provide(PERSON, SHORT)
-    first = studio.path(PERSON, SHORT).stat().st_mtime_ns
-    assert len(load(studio.path(PERSON, SHORT)).captures) == 15
-    studio.provide(PERSON, SHORT)
-    assert studio.path(PERSON, SHORT).stat().st_mtime_ns == first
-    replace(studio, tracker="another").provide(PERSON, SHORT)
-    assert studio.path(PERSON, SHORT).stat().st_mtime_ns > first
+def test_a_cached_recording_is_not_simulated_again_but_another_is(
+    cache: RecordingCache,
+) -> None:
+    cache.ensure(USER, SHORT)
+    first = cache.path(USER, SHORT).stat().st_mtime_ns
+    assert len(load(cache.path(USER, SHORT)).frames) == 15
+    cache.ensure(USER, SHORT)
+    assert cache.path(USER, SHORT).stat().st_mtime_ns == first
+    replace(cache, tracker="another").ensure(USER, SHORT)
+    assert cache.path(USER, SHORT).stat().st_mtime_ns > first
 
 
 @pytest.mark.parametrize("harm", ["cut", "empty", "text"])
-def test_a_damaged_take_is_made_anew(studio: Studio, harm: str) -> None:
-    studio.provide(PERSON, SHORT)
-    path = studio.path(PERSON, SHORT)
+def test_a_damaged_recording_is_simulated_again(cache: RecordingCache, harm: str) -> None:
+    cache.ensure(USER, SHORT)
+    path = cache.path(USER, SHORT)
     whole = path.read_bytes()
-    path.write_bytes({"cut": whole[: len(whole) // 2], "empty": b"", "text": b"no take"}[harm])
-    assert not studio.has(PERSON, SHORT)
-    studio.provide(PERSON, SHORT)
+    path.write_bytes({"cut": whole[: len(whole) // 2], "empty": b"", "text": b"no recording"}[harm])
+    assert not cache.has(USER, SHORT)
+    cache.ensure(USER, SHORT)
     assert path.read_bytes() == whole
 
 
-def test_a_take_ends_half_a_second_after_its_last_touch(studio: Studio) -> None:
+def test_a_recording_ends_half_a_second_after_its_last_touch(cache: RecordingCache) -> None:
     task = Task("two", "demo", 12.0, ends=False, touches=2)
-    studio.provide(PERSON, task)
-    kept = load(studio.path(PERSON, task))
-    contacts = [line["contact"] for line in kept.truth if "contact" in line]
+    cache.ensure(USER, task)
+    recording = load(cache.path(USER, task))
+    contacts = [line["contact"] for line in recording.truth if "contact" in line]
     assert len(contacts) == 2
-    after_s = (kept.captures[-1].time_us - contacts[-1]["to_us"]) / 1e6
+    after_s = (recording.frames[-1].time_us - contacts[-1]["to_us"]) / 1e6
     assert 0.4 <= after_s <= 0.6
 
 
@@ -59,9 +56,9 @@ def test_a_write_that_fails_leaves_nothing(monkeypatch: pytest.MonkeyPatch, tmp_
         file.write(b"half of it")  # type: ignore[attr-defined]
         raise OSError("No space left on device")
 
-    monkeypatch.setattr(kept_module.np, "savez", full)
+    monkeypatch.setattr(recording_module.np, "savez", full)
     with pytest.raises(OSError, match="No space"):
-        save(tmp_path / "take.npz", Kept((), (), ()), "so")
+        save(tmp_path / "recording.npz", StoredRecording((), (), ()), "key")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -70,23 +67,23 @@ import sys
 from pathlib import Path
 sys.path.insert(0, {root!r})
 from contextlib import contextmanager
-from halo_service.evaluation.study.cache import Studio
+from halo_service.evaluation.study.cache import RecordingCache
 from halo_service.values import Tracked
-from tests.evaluation.study.empty_table import LONG, PERSON
+from tests.evaluation.study.empty_table import LONG, USER
 
 @contextmanager
-def telling(camera, profile, hands):
-    def look(frame):
+def announce(camera, profile, hands):
+    def track(frame):
         print("frame", flush=True)
         return Tracked(frame.time_us, ())
-    yield look
+    yield track
 
-Studio(Path({folder!r}), telling, "nobody").provide(PERSON, LONG)
+RecordingCache(Path({folder!r}), announce, "nobody").ensure(USER, LONG)
 """
 
 
-def test_a_run_that_is_killed_in_mid_take_leaves_nothing_and_goes_on(studio: Studio) -> None:
-    folder = studio.folder
+def test_a_run_that_is_killed_while_simulating_leaves_nothing(cache: RecordingCache) -> None:
+    folder = cache.folder
     before = sorted(folder.rglob("*"))
     root = str(Path(__file__).parents[3])
     process = subprocess.Popen(
@@ -101,23 +98,23 @@ def test_a_run_that_is_killed_in_mid_take_leaves_nothing_and_goes_on(studio: Stu
         process.send_signal(signal.SIGKILL)
         process.wait()
     assert sorted(folder.rglob("*")) == before
-    assert not studio.has(PERSON, LONG)
-    assert studio.has(PERSON, CALIBRATION)
+    assert not cache.has(USER, LONG)
+    assert cache.has(USER, CALIBRATION)
 
 
-def test_what_a_killed_write_left_is_swept_up_by_the_next_run(studio: Studio) -> None:
-    left = studio.of(PERSON) / ".short.npz.123.part"
+def test_what_a_killed_write_left_is_deleted_by_the_next_run(cache: RecordingCache) -> None:
+    left = cache.path(USER, SHORT).parent / ".short.npz.123.part"
     left.write_bytes(b"half of it")
-    with studio.to_itself():
+    with cache.exclusive():
         assert not left.exists()
 
 
-def test_two_runs_do_not_fill_the_same_folder(
-    studio: Studio, monkeypatch: pytest.MonkeyPatch
+def test_two_runs_do_not_write_to_the_same_folder(
+    cache: RecordingCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("halo_service.files.LOCK_WAIT_S", 0.05)
-    with studio.to_itself():
-        with pytest.raises(Timeout), studio.to_itself():
+    with cache.exclusive():
+        with pytest.raises(Timeout), cache.exclusive():
             pass
-        with replace(studio, draws=False).to_itself():
-            pass  # who only reads, reads on
+        with replace(cache, simulates=False).exclusive():
+            pass  # reading needs no lock

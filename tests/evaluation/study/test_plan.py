@@ -1,4 +1,4 @@
-"""Who is asked to do what."""
+"""Which user does which task."""
 
 from __future__ import annotations
 
@@ -7,41 +7,41 @@ from pathlib import Path
 import pytest
 
 from halo_service.errors import UserError
-from halo_service.evaluation.study import plan as matrix
-from halo_service.evaluation.study.plan import REPORTED, TASKS, TUNED, Person, plan, quick_plan
+from halo_service.evaluation.study import plan as study
+from halo_service.evaluation.study.plan import REPORTED, TASKS, TUNED, User, plan, quick_plan
 from halo_service.virtual.materials import STUDIED
 from halo_service.virtual.sim_url import parse_sim_url
 
 
-def test_the_full_matrix_is_the_papers_twelve_users_on_five_materials() -> None:
-    matrix = plan()
-    touches = sum(task.touches or 0 for tasks in matrix.values() for task in tasks)
-    assert (len(matrix), touches) == (60, 3840)
+def test_the_full_study_is_the_papers_twelve_users_on_five_materials() -> None:
+    users = plan()
+    touches = sum(task.touches or 0 for tasks in users.values() for task in tasks)
+    assert (len(users), touches) == (60, 3840)
 
 
-def test_each_user_does_once_what_is_done_once_and_the_materials_take_turns() -> None:
+def test_each_user_does_most_tasks_once_and_the_materials_alternate() -> None:
     for task in TASKS:
-        persons = [person for person, tasks in plan().items() if task in tasks]
+        users = [user for user, tasks in plan().items() if task in tasks]
         if not task.every_material:
-            assert [person.seed for person in persons] == list(REPORTED)
-            assert {person.material for person in persons} == set(STUDIED)
+            assert [user.seed for user in users] == list(REPORTED)
+            assert {user.material for user in users} == set(STUDIED)
 
 
-def test_whom_anything_was_tuned_on_is_not_reported() -> None:
+def test_tuning_users_are_not_reported() -> None:
     assert not set(TUNED) & set(REPORTED)
-    assert {person.seed for person in quick_plan()} <= set(TUNED)
+    assert {user.seed for user in quick_plan()} <= set(TUNED)
 
 
-def test_the_small_matrix_has_sixty_touches_on_three_materials() -> None:
-    matrix = quick_plan()
-    touches = sum(task.touches or 0 for tasks in matrix.values() for task in tasks)
-    assert (touches, len({person.material for person in matrix})) == (60, 3)
-    assert {"hover-5", "pressure-5"} <= {task.name for tasks in matrix.values() for task in tasks}
+def test_the_small_study_has_sixty_touches_on_three_materials() -> None:
+    users = quick_plan()
+    touches = sum(task.touches or 0 for tasks in users.values() for task in tasks)
+    assert (touches, len({user.material for user in users})) == (60, 3)
+    assert {"hover-5", "pressure-5"} <= {task.name for tasks in users.values() for task in tasks}
 
 
-@pytest.mark.parametrize("task", matrix.KNOWN, ids=lambda task: task.name)
-def test_the_virtual_kinect_understands_every_task(task: matrix.Task) -> None:
-    request = parse_sim_url(Person(204, "foam").source(task))
+@pytest.mark.parametrize("task", study.ALL_TASKS, ids=lambda task: task.name)
+def test_the_virtual_camera_knows_every_task(task: study.Task) -> None:
+    request = parse_sim_url(User(204, "foam").source(task))
     assert (request.scenario, request.room.seed, request.room.material) == (
         task.scenario,
         204,
@@ -50,23 +50,23 @@ def test_the_virtual_kinect_understands_every_task(task: matrix.Task) -> None:
 
 
 def test_no_two_tasks_share_a_file() -> None:
-    assert len({task.name for task in matrix.KNOWN}) == len(matrix.KNOWN)
+    assert len({task.name for task in study.ALL_TASKS}) == len(study.ALL_TASKS)
 
 
-def test_label_files_take_turns_and_their_paths_may_hold_anything(tmp_path: Path) -> None:
+def test_label_files_alternate_and_their_paths_may_contain_any_character(tmp_path: Path) -> None:
     files = [tmp_path / "a & b.txt", tmp_path / "c.txt"]
     for file in files:
         file.write_text("1,touchdown,5,5,1000\n1,touchend,0,0,1100\n")
     given = plan(users=(301, 302, 303), labels=files)
-    played = [
-        parse_sim_url(person.source(task)).room.labels
-        for person, tasks in given.items()
+    files_used = [
+        parse_sim_url(user.source(task)).room.labels
+        for user, tasks in given.items()
         for task in tasks
         if task.scenario == "labels"
     ]
-    assert played == [str(files[0]), str(files[1]), str(files[0])]
+    assert files_used == [str(files[0]), str(files[1]), str(files[0])]
 
 
-def test_an_unknown_name_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(UserError, match="no material 'stone'; known: paper, wood"):
-        matrix.chosen(["stone"], STUDIED, "material")
+def test_an_unknown_name_lists_the_valid_ones() -> None:
+    with pytest.raises(UserError, match="unknown material 'stone'; choose from: paper, wood"):
+        study.choose(["stone"], STUDIED, "material")

@@ -18,13 +18,13 @@ pytestmark = pytest.mark.long
 HALO = Path(sys.executable).with_name("halo")
 RIVALS = tuple(name for name in METHODS if name != "ours")
 LEVELS = ("hover_error_mm", "pressure_error_percent")
-SAY_NO_FORCE = ("direct", "wilson")
-"""What they publish holds no force."""
-TOLD = tuple(
+WITHOUT_FORCE = ("direct", "wilson")
+"""They publish no force."""
+COMPARED = tuple(
     (rival, figure)
     for rival in RIVALS
     for figure in LEVELS
-    if not (rival in SAY_NO_FORCE and figure.startswith("pressure"))
+    if not (rival in WITHOUT_FORCE and figure.startswith("pressure"))
 )
 
 
@@ -36,23 +36,23 @@ class Study:
             self._rows = list(csv.DictReader(text))
 
     def of(self, method: str, figure: str, task: str) -> list[float]:
-        """Return a figure of each person who did a task."""
+        """Return a figure of each user who did a task."""
         return [float(row["value"]) for row in self._mine(method, figure, task)]
 
     def count(self, method: str, figure: str) -> int:
-        """Return a count over everybody's pointing."""
+        """Return a count over all users' pointing."""
         values = self.of(method, figure, "pointing-20")
-        assert len(values) == len(QUICK_USERS), f"{method} has no {figure} of everybody"
+        assert len(values) == len(QUICK_USERS), f"{method} has no {figure} of all users"
         return int(sum(values))
 
     def f1(self, method: str) -> float:
-        """Return F1 over everybody's pointing."""
+        """Return F1 over all users' pointing."""
         hits = self.count(method, "touches") - self.count(method, "missed")
         wrong = sum(self.count(method, name) for name in ("doubled", "outside", "ghosts", "missed"))
         return 2.0 * hits / (2.0 * hits + wrong)
 
     def mean(self, method: str, figure: str, task: str) -> float:
-        """Return a figure's mean over the persons; of nobody there is none to compare."""
+        """Return a figure's mean over the users; without any there is none to compare."""
         values = self.of(method, figure, task)
         assert values, f"{method} has no {figure}"
         return sum(values) / len(values)
@@ -68,7 +68,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     folder = tmp_path_factory.mktemp("study")
     file = folder / "figures.csv"
     done = subprocess.run(
-        [HALO, "evaluate", "--quick", "--keep", folder / "takes", "--csv", file],
+        [HALO, "evaluate", "--quick", "--cache", folder / "recordings", "--csv", file],
         stdout=subprocess.PIPE,
         text=True,
         check=True,
@@ -77,7 +77,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return Study(file)
 
 
-def test_everybody_could_be_calibrated_for_every_method(study: Study) -> None:
+def test_all_users_are_calibrated_for_every_method(study: Study) -> None:
     assert {name: study.of(name, "calibrated", "pointing-20") for name in METHODS} == {
         name: [1.0, 1.0, 1.0] for name in METHODS
     }
@@ -93,24 +93,24 @@ def test_ours_finds_touches_at_least_as_well(study: Study, rival: str) -> None:
     assert study.f1("ours") >= study.f1(rival)
 
 
-@pytest.mark.parametrize("rival, figure", TOLD)
-def test_ours_tells_levels_at_least_as_well(study: Study, rival: str, figure: str) -> None:
-    """A rival without a figure has seen nothing at all, and says so."""
+@pytest.mark.parametrize("rival, figure", COMPARED)
+def test_ours_measures_levels_at_least_as_well(study: Study, rival: str, figure: str) -> None:
+    """A rival without a figure has no reading at all."""
     kind = figure.partition("_")[0]
     ours = study.mean("ours", figure, f"{kind}-5")
     if study.of(rival, figure, f"{kind}-5"):
         assert ours <= study.mean(rival, figure, f"{kind}-5")
     else:
-        assert study.of(rival, f"{kind}_unseen_share", f"{kind}-5") == [1.0]
+        assert study.of(rival, f"{kind}_no_reading_share", f"{kind}-5") == [1.0]
 
 
-@pytest.mark.parametrize("rival", SAY_NO_FORCE)
-def test_a_rival_that_tells_no_force_has_no_error_of_it(study: Study, rival: str) -> None:
-    assert study.of(rival, "pressure_unseen_share", "pressure-5") == [1.0]
+@pytest.mark.parametrize("rival", WITHOUT_FORCE)
+def test_a_rival_without_a_force_has_no_pressure_error(study: Study, rival: str) -> None:
+    assert study.of(rival, "pressure_no_reading_share", "pressure-5") == [1.0]
     assert study.of(rival, "pressure_error_percent", "pressure-5") == []
 
 
 @pytest.mark.parametrize("rival", RIVALS)
-def test_ours_tells_places_at_least_as_well(study: Study, rival: str) -> None:
+def test_ours_measures_places_at_least_as_well(study: Study, rival: str) -> None:
     ours, theirs = (study.mean(name, "spatial_mean_mm", "pointing-20") for name in ("ours", rival))
     assert ours <= theirs

@@ -1,7 +1,7 @@
 """HaloTouch's calibration with its own signal: four held states and a sweep (paper 4.3.5).
 
-The same takes, scripts and solvers as ours; only the signal is the paper's. Its base model is the
-one that our calibration stands on: relative strengths over place and angle, from pilots.
+The same recordings, scripts and solvers as ours; only the signal is the paper's. It uses the same
+base model as our calibration: relative strengths over place and angle, from pilots.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ SWEEP = "sweep"
 def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Script) -> Profile:
     """Return the profile with the states and the correction of the paper's signal.
 
-    Raises `UserError` where its states cannot be told apart or its sweep is no good.
+    Raises `UserError` where its states overlap or its sweep is not good enough.
     """
     del settings  # the paper's threshold is fixed
-    lines = parse_script([dict(line) for line in script], "of the take")
+    lines = parse_script([dict(line) for line in script], "of the recording")
     came, observed = _watch(profile, seen, lines)
 
     def wanted(step: str) -> int:
@@ -54,7 +54,7 @@ def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Scrip
 def _watch(
     profile: Profile, seen: Seen, lines: Sequence[Line]
 ) -> tuple[dict[str, int], dict[str, list[Observation]]]:
-    """Return how many frames came in each step, and the finger in those that show it."""
+    """Return the number of frames in each step, and the finger in those that show it."""
     came = {line.step: 0 for line in lines}
     observed: dict[str, list[Observation]] = {line.step: [] for line in lines}
     first_us: int | None = None
@@ -69,7 +69,7 @@ def _watch(
 
 
 def _observe(profile: Profile, frame: Frame, tracked: Tracked) -> list[Observation]:
-    """Return the surest hand's index finger, if there is a hand."""
+    """Return the index finger of the most confident hand, if there is one."""
     if not tracked.hands:
         return []
     hand = max(tracked.hands, key=lambda each: each.confidence)

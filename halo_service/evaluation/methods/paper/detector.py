@@ -1,9 +1,9 @@
 """HaloTouch's touch detector and its debounce, to the letter (paper 4.3.6). Pure.
 
-Touched is what departs from an adaptive baseline while it rises sharply: a rise is the difference
+A touch departs from an adaptive baseline while the level rises sharply: a rise is the difference
 to the frame before, so a finger's first frame cannot show one. A touch ends when two frames in a
-row show none, which the paper does while somebody types; here it is so always. What the paper
-leaves open: a touch goes on while it stays departed, and the baseline rests meanwhile.
+row show none; the paper does this for typing, here it is always so. The paper leaves open: a touch
+continues while it stays departed, and the baseline does not move meanwhile.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Detector:
     level: float
     time_us: int
     touching: bool = False
-    doubted: bool = False
+    releasing: bool = False
     """The last frame showed no touch, and this one may confirm it."""
 
 
@@ -40,9 +40,9 @@ def detect(before: Detector | None, level: float, speed_mm_s: float, time_us: in
         return Detector(level, level, time_us)
     if before.touching:
         touched = level - before.baseline > DEPARTURE
-        ended = before.doubted and not touched
+        ended = before.releasing and not touched
         return Detector(
-            before.baseline, level, time_us, touching=not ended, doubted=not (touched or ended)
+            before.baseline, level, time_us, touching=not ended, releasing=not (touched or ended)
         )
     departed = abs(level - before.baseline) > DEPARTURE
     if departed and level - before.level >= RISE and speed_mm_s < FAST_MM_S:

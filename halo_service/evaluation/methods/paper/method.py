@@ -1,11 +1,11 @@
 """HaloTouch to the letter (Xia et al. 2025, sections 4.3 and 6.2), on the same frames as ours.
 
-In the paper's order a frame waits for its own hands. So each frame is kept until the tracker
-tells of it, and what is told now was seen as many frames ago as the tracker is late.
+In the paper's order a frame waits for its own hands. So frames are buffered until the tracker
+has their hands, and a report is as many frames old as the tracker is late.
 
-Its four states are to be measured with its own signal: the bench does, with `learn`. `halo replay`
-reads those of the profile, which were measured on the refined fingertip; the raw landmark sees a
-different part of the halo, so levels, heights and pressures are off there.
+Its four states must be measured with its own signal: the evaluation does it, with `learn`. `halo
+replay` reads those of the profile, which were measured on the refined fingertip; the raw landmark
+is over a different part of the halo, so levels, heights and pressures are off there.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from halo_service.evaluation.methods.paper.detector import Detector, detect
 from halo_service.evaluation.methods.paper.signal import Reading, corrected, read
 from halo_service.evaluation.methods.pointers import (
     LEAST_PRESSURE,
-    Known,
+    Identity,
+    Published,
     Spot,
-    Told,
+    identify,
     pointer_of,
-    recognised,
-    tell,
+    publish,
     within_reach,
 )
 from halo_service.geometry.surface import Surface
@@ -37,9 +37,9 @@ from halo_service.values import Finger, Frame, Hand, Pointer, TouchFrame, Tracke
 LINE_REACH_MM = 15.0
 """Where no halo is left on the finger's line (paper 4.3.6)."""
 MOST_WAITING = 8
-"""Frames kept for the tracker: the slowest one's lag."""
+"""Frames buffered for the tracker: the slowest one's lag."""
 LOST_US = 250_000
-"""A finger that the tracker has not seen for so long is gone, as in ours."""
+"""A finger that the tracker has not found for so long is gone, as in ours."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,22 +49,22 @@ class Followed:
     pointer: Pointer
     detector: Detector
     seen_us: int
-    """Time of the frame that it was last seen in."""
+    """Time of the last frame with it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """All that one frame leaves to the next."""
+    """Everything that one frame passes to the next."""
 
     profile: Profile | None
     settings: SensingSettings
     correct: Callable[[Reading, Correction | None], float] = corrected
-    """Stage 4.3.4, by the profile's grid; who times the paper's order asks the regressor itself."""
+    """Stage 4.3.4, by the profile's grid; the latency runs use the regressor itself."""
     waiting: tuple[Frame, ...] = ()
     """Frames whose hands may not be known yet, oldest first."""
     sensed_us: int = -1
     """Time of the newest frame that was sensed."""
-    told: Told = field(default_factory=Told)
+    last: Published = field(default_factory=Published)
     fingers: Mapping[int, Followed] = field(default_factory=dict)
     """By the pointers' ids."""
 
@@ -75,7 +75,7 @@ def start(profile: Profile | None, settings: SensingSettings) -> State:
 
 
 def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFrame, State]:
-    """Sense the frame that the tracker tells of, if it is a new one; else all stays as it was."""
+    """Sense the frame of the tracker's newest hands, once; without new hands nothing changes."""
     profile = state.profile
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
@@ -92,23 +92,25 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     }
     pointers = [finger.pointer for finger in left.values()]
     ago_ms = 0.0 if due is None else (frame.time_us - due.time_us) / 1e3
-    frame_told, told = tell(state.told, pointers, frame.time_us, profile, ago_ms)
+    touch_frame, last = publish(state.last, pointers, frame.time_us, profile, ago_ms)
     sensed_us = state.sensed_us if due is None else due.time_us
-    return frame_told, replace(state, waiting=waiting, sensed_us=sensed_us, told=told, fingers=left)
+    return touch_frame, replace(
+        state, waiting=waiting, sensed_us=sensed_us, last=last, fingers=left
+    )
 
 
 def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
-    """Let all pointers go."""
-    frame_told, told = tell(state.told, (), time_us, state.profile)
-    return frame_told, replace(state, waiting=(), told=told, fingers={})
+    """Release all pointers."""
+    touch_frame, last = publish(state.last, (), time_us, state.profile)
+    return touch_frame, replace(state, waiting=(), last=last, fingers={})
 
 
 def sense(
     state: State, frame: Frame, hands: tuple[Hand, ...], profile: Profile, usual: TouchStates
 ) -> dict[int, Followed | None]:
-    """Take every hand's index finger through all stages; None for one that has gone too far.
+    """Run all stages for every hand's index finger; None for one that is too far away.
 
-    `usual`: the four states of a hand that has none of its own.
+    `usual`: the four states for a hand without its own.
     """
     readings = [read(frame.depth, hand, profile) for hand in hands]
     signals = [state.correct(reading, profile.correction) for reading in readings]
@@ -117,15 +119,15 @@ def sense(
         for each in zip(hands, readings, signals, strict=True)
     ]
     sensed: dict[int, Followed | None] = {}
-    for known, spot, reading in zip(recognised(state.told, spots), spots, readings, strict=True):
-        past = state.fingers.get(known.id)
+    for identity, spot, reading in zip(identify(state.last, spots), spots, readings, strict=True):
+        past = state.fingers.get(identity.id)
         seconds = (frame.time_us - past.seen_us) / 1e6 if past else 1.0
-        speed_mm_s = _moved_mm(known, spot) / seconds
+        speed_mm_s = _moved_mm(identity, spot) / seconds
         detector = detect(past.detector if past else None, spot.level, speed_mm_s, frame.time_us)
         states = profile.states(spot.side) or usual
-        pointer = _pointer(known, spot, detector.touching, seconds, states, profile.surface)
-        near = _near(known, spot, reading, profile.surface, state.settings)
-        sensed[known.id] = Followed(pointer, detector, frame.time_us) if near else None
+        pointer = _pointer(identity, spot, detector.touching, seconds, states, profile.surface)
+        near = _near(identity, spot, reading, profile.surface, state.settings)
+        sensed[identity.id] = Followed(pointer, detector, frame.time_us) if near else None
     return sensed
 
 
@@ -142,7 +144,7 @@ def _spot(hand: Hand, reading: Reading, signal: float, states: TouchStates) -> S
         yaw_deg=reading.yaw_deg,
         halo=reading.raw,
         halo_corrected=signal,
-        level=max(level, 0.0),  # what is farther than the subtle state is in the air, no more
+        level=max(level, 0.0),  # farther than the subtle state is simply in the air
     )
 
 
@@ -160,7 +162,7 @@ def _height(signal: float, line_px: int, states: TouchStates) -> float:
 
 
 def _pointer(
-    known: Known,
+    identity: Identity,
     spot: Spot,
     touching: bool,
     seconds: float,
@@ -174,21 +176,21 @@ def _pointer(
         share = max(pressure, 0.0)
         force_g = touch.force_g + share * (press.force_g - touch.force_g) if touching else 0.0
     least = max(pressure, LEAST_PRESSURE)
-    return pointer_of(known, spot, touching, surface, seconds, least, force_g)
+    return pointer_of(identity, spot, touching, surface, seconds, least, force_g)
 
 
 def _near(
-    known: Known, spot: Spot, reading: Reading, surface: Surface, settings: SensingSettings
+    identity: Identity, spot: Spot, reading: Reading, surface: Surface, settings: SensingSettings
 ) -> bool:
-    """Say whether a finger is near the surface; how high it is only its own depth can tell."""
+    """Whether a finger is near the surface; only its own depth says how high it is."""
     higher = replace(spot, height_mm=0.0 if math.isnan(reading.top_mm) else reading.top_mm)
-    return within_reach(known, higher, surface, settings.hover_range_mm, settings.edge_margin_mm)
+    return within_reach(identity, higher, surface, settings.hover_range_mm, settings.edge_margin_mm)
 
 
-def _moved_mm(known: Known, spot: Spot) -> float:
-    if known.before is None:
+def _moved_mm(identity: Identity, spot: Spot) -> float:
+    if identity.before is None:
         return 0.0
-    return math.dist((known.before.x_mm, known.before.y_mm), spot.place_mm)
+    return math.dist((identity.before.x_mm, identity.before.y_mm), spot.place_mm)
 
 
 PAPER = Method("paper", start, step, clear, learn)

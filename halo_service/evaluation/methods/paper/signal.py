@@ -1,6 +1,6 @@
-"""HaloTouch's signal, to the letter (paper 4.3.1 to 4.3.4): what the halo around landmark 8 says.
+"""HaloTouch's signal, to the letter (paper 4.3.1 to 4.3.4): the halo around landmark 8.
 
-The landmarks are taken as the tracker gives them; the threshold is fixed, the patch is upright.
+The landmarks are used as the tracker gives them; the threshold is fixed, the patch is upright.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Reading:
     place_mm: tuple[float, float]
     """x, y on the surface."""
     top_mm: float
-    """Height of what the tip's landmark shows; nan where unmeasured."""
+    """Height at the tip's landmark; nan where unmeasured."""
     pitch_deg: float
     yaw_deg: float
     raw: float
@@ -70,7 +70,7 @@ def read(depth: Depth, hand: Hand, profile: Profile) -> Reading:
 
 
 def corrected(reading: Reading, correction: Correction | None) -> float:
-    """Return the signal as it would be where the states were held (paper 4.3.4)."""
+    """Return the signal at the place where the states were held (paper 4.3.4)."""
     if correction is None:
         return reading.raw
     expected = strength(correction, *reading.place_mm, reading.pitch_deg, reading.yaw_deg)
@@ -110,7 +110,7 @@ def _excess(depth: Depth, background: Background, where: Where) -> NDArray[np.fl
 
 
 def _point(px: Pixel, depth: Depth, camera: Camera, surface: Surface) -> Point | None:
-    """Return what a pixel sees in the surface's frame, mm; None where it measured nothing."""
+    """Return a pixel's point in the surface's frame, mm; None where it measured nothing."""
     column, row = round(px[0]), round(px[1])
     height, width = depth.shape
     if not (0 <= row < height and 0 <= column < width) or depth[row, column] == 0:

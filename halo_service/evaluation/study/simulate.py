@@ -1,0 +1,134 @@
+"""Simulates one user doing one task, and runs the hand tracker on it: what the cache stores."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from itertools import chain
+
+import numpy as np
+
+from halo_calibration.solvers.background import solve_background
+from halo_calibration.solvers.plane import solve_plane, surface_from_view
+from halo_service.evaluation.study.plan import Task, User
+from halo_service.evaluation.study.recording import (
+    Line,
+    StoredFrame,
+    StoredRecording,
+    reach_box,
+    restore,
+    store,
+    store_whole,
+)
+from halo_service.geometry.camera import Camera
+from halo_service.profile import Background, Profile
+from halo_service.values import Frame, Tracked
+from halo_service.virtual.camera import factory
+from halo_service.virtual.offline import Take
+from halo_service.virtual.scenarios.calibration import BACKGROUND_S
+from halo_service.virtual.sim_url import parse_sim_url
+
+LONGEST = 1.5
+"""A task that ends after its touches ends at the latest after this many times its usual length."""
+TAIL_S = 0.5
+"""A recording goes on for so long after its last touch, so that a method can report the touch's
+end; the next touch comes later than that."""
+
+Tracker = Callable[[Frame], Tracked]
+OpenTracker = Callable[[Camera, Profile | None, int], AbstractContextManager[Tracker]]
+"""Opens a hand tracker for a camera, with a profile where there is one, for that many hands."""
+
+
+def simulate_calibration(user: User, task: Task, open_tracker: OpenTracker) -> StoredRecording:
+    """Simulate the calibration, whose empty surface the user's other recordings need."""
+    simulation = _simulation(user, task)
+    truth: list[Line] = []
+    frames = _frames(simulation, task, truth)
+    stored: list[StoredFrame] = []
+    empty: list[Frame] = []
+    with open_tracker(simulation.camera, None, task.hands) as track:
+        for frame in frames:
+            if empty and not _is_empty(frame.time_us, empty[0].time_us):
+                break
+            empty.append(frame)
+            stored.append(store_whole(frame, track(frame)))
+    background = solve_background([each.depth for each in empty])
+    stored += _stored(user, task, chain((frame,), frames), background, open_tracker)
+    return StoredRecording(tuple(stored), tuple(truth), tuple(simulation.script()))
+
+
+def simulate_task(
+    user: User, task: Task, background: Background, open_tracker: OpenTracker
+) -> StoredRecording:
+    """Simulate one task on the surface that the calibration has seen."""
+    simulation = _simulation(user, task)
+    truth: list[Line] = []
+    frames = _frames(simulation, task, truth)
+    stored = tuple(_stored(user, task, frames, background, open_tracker))
+    return StoredRecording(stored, tuple(truth), tuple(simulation.script()))
+
+
+def background_of(calibration: StoredRecording) -> Background:
+    """Return the empty surface that a calibration begins with."""
+    return solve_background([frame.depth for frame in empty_frames(calibration)])
+
+
+def profile_of_table(name: str, background: Background) -> Profile:
+    """Return a profile with the empty surface alone. Raises `Refused` where it is no plane."""
+    camera = factory()
+    surface = surface_from_view(solve_plane(background, camera))
+    return Profile(name, camera, surface, background, None, 1)
+
+
+def empty_frames(calibration: StoredRecording) -> Iterator[Frame]:
+    """Yield the frames of a calibration that were stored whole."""
+    first_us = calibration.frames[0].time_us
+    _, _, width, height = calibration.frames[0].box
+    shape = (height, width)
+    nothing = Background(
+        np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.zeros(shape, np.bool_)
+    )
+    for each in calibration.frames:
+        if _is_empty(each.time_us, first_us):
+            yield restore(each, nothing)[0]
+
+
+def _is_empty(time_us: int, first_us: int) -> bool:
+    """Whether a calibration's frame is from before the user comes."""
+    return time_us - first_us < 1e6 * BACKGROUND_S
+
+
+def _stored(
+    user: User,
+    task: Task,
+    frames: Iterable[Frame],
+    background: Background,
+    open_tracker: OpenTracker,
+) -> Iterator[StoredFrame]:
+    profile = profile_of_table(user.name, background)
+    camera = profile.camera
+    reach = reach_box(profile.surface, camera)
+    with open_tracker(camera, profile, task.hands) as track:
+        for frame in frames:
+            yield store(frame, track(frame), background, reach)
+
+
+def _simulation(user: User, task: Task) -> Take:
+    """Simulate at the live virtual camera's quality."""
+    seconds = None if task.ends else task.seconds * (LONGEST if task.touches else 1.0)
+    return Take(parse_sim_url(user.source(task)), seconds, colour_times=2)
+
+
+def _frames(simulation: Take, task: Task, truth: list[Line]) -> Iterator[Frame]:
+    """Yield the frames until the task is done; the lines of truth are added to `truth`."""
+    touches, over_us = 0, None
+    for frame, lines in simulation:
+        truth += lines
+        touches += sum("contact" in line for line in lines)
+        if frame is None:
+            continue
+        if touches == task.touches and over_us is None:
+            over_us = frame.time_us + round(1e6 * TAIL_S)
+        if over_us is not None and frame.time_us > over_us:
+            return
+        yield frame

@@ -33,7 +33,12 @@ BLEND_MM = 1.6
 CELL_MM = 5.0
 """Mesh cells on the hand. Much coarser, and the hand tracker no longer sees a hand."""
 ARM_CELL_MM = 14.0
-ARM_LENGTH_MM = 300.0
+UPPER_ARM_CELL_MM = 40.0
+FOREARM_MM, ARM_MM = 300.0, 900.0
+"""Where the elbow is and where the arm ends: out of view even of a camera 1 m up."""
+NAIL_BACK, NAIL_WIDTH, NAIL_THICK_MM = 0.7, 0.75, 0.8
+"""How far behind the fingertip's axis a long nail lies and half its width, in radii of the tip,
+and its thickness; chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,14 +99,66 @@ def capsules(girth: float) -> list[Capsule]:
         root = PLANS[finger].root
         flesh.append(Capsule((x, 0.0, 0.0), root, 15.5 * girth, 12.0 * girth, PALM))
     for side in (-1.0, 1.0):
-        elbow = (side * 20.0, ARM_LENGTH_MM, 0.0)
+        elbow = (side * 20.0, FOREARM_MM, 0.0)
         flesh.append(Capsule((side * 11.0, 4.0, 0.0), elbow, 17.0, 31.0, ARM))
+        flesh.append(Capsule(elbow, (side * 20.0, ARM_MM, 0.0), 31.0, 36.0, ARM))
     return flesh
 
 
+@functools.lru_cache(maxsize=8)
+def hand_mesh(girth: float, nail_over_mm: float = 0.0) -> Mesh:
+    """The right hand at rest, with skinning weights; the vertices of long nails come last."""
+    skin = _skin_mesh(girth)
+    if nail_over_mm == 0.0:
+        return skin
+    parts = [skin, *(_long_nail(finger, girth, nail_over_mm) for finger in Finger)]
+    first = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return Mesh(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.faces + start for part, start in zip(parts, first, strict=False)]),
+        np.concatenate([part.weights for part in parts]),
+    )
+
+
+def nail_count() -> int:
+    """Vertices of the five long nails."""
+    return len(Finger) * len(_CORNERS)
+
+
+_CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+_CORNER_FACES = np.array(
+    [
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]
+)  # fmt: skip
+
+
+def _long_nail(finger: Finger, girth: float, over_mm: float) -> Mesh:
+    """A thin plate from the nail bed to `over_mm` beyond the fingertip."""
+    plan, tip = PLANS[finger], joints(finger)[3]
+    radius = plan.radii[3] * girth
+    along = finger_direction(plan.yaw_deg)
+    across = np.array([-along[1], along[0], 0.0])
+    low, thick = NAIL_BACK * radius, NAIL_THICK_MM
+    vertices = (
+        tip
+        + _CORNERS[:, :1] * across * NAIL_WIDTH * radius
+        + _CORNERS[:, 1:2] * along * (radius + over_mm)
+        - np.array([0.0, 0.0, 1.0]) * (low + _CORNERS[:, 2:] * thick)
+    )
+    normals = vertices - vertices.mean(axis=0)
+    normals = np.array([0.0, 0.0, -1.0]) + 0.2 * normals / np.linalg.norm(normals, axis=1)[:, None]
+    weights = np.zeros((len(vertices), BONES))
+    weights[:, bone_of(finger, 2)] = 1.0
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return Mesh(vertices, normals / lengths, _CORNER_FACES, weights)
+
+
 @functools.lru_cache(maxsize=4)
-def hand_mesh(girth: float) -> Mesh:
-    """The right hand at rest, with skinning weights; built in about half a second."""
+def _skin_mesh(girth: float) -> Mesh:
+    """Skin over flesh over bones; built in about half a second."""
     flesh = capsules(girth)
 
     def field(points: Floats) -> Floats:
@@ -112,7 +169,8 @@ def hand_mesh(girth: float) -> Mesh:
         np.concatenate(
             [
                 np.arange(-208.0, 24.0, CELL_MM),
-                np.arange(24.0, ARM_LENGTH_MM + 60.0, ARM_CELL_MM),
+                np.arange(24.0, FOREARM_MM, ARM_CELL_MM),
+                np.arange(FOREARM_MM, ARM_MM + 60.0, UPPER_ARM_CELL_MM),
             ]
         ),
         np.arange(-46.0, 46.0, CELL_MM),

@@ -6,10 +6,12 @@ So nothing here is derived: curves of the right shape are scaled to what the pap
 A figure measured on these curves is a claim about the pipeline that reads them, not about the
 world. Constants say where they come from: a section of the paper, or "chosen".
 
-The model in three lines. Every low point of a hand (fingertips, undersides of bones, palm) casts
-a dent on the surface around it: `depth` by its height and force, spread as in `dent_field`. Dents
-of one hand and its neighbours melt together. The surface is dented, not the hand (`sensor` mixes
-what lies along the outline of a low finger, as a real one averages).
+The model in short. Every low point of a hand (fingertips, undersides of bones, palm) casts a dent
+on the surface around it: `depth` by its height and force, spread as in `dent_field`. Dents of one
+hand and its neighbours melt together. The real footprint of a fingertip is not published: a curve
+is either a `bell` under the fingertip or `odd` (moved, drawn out, lopsided, with a glow). The
+surface is dented, not the hand (`sensor` mixes what lies along the outline of a low finger, as a
+real one averages).
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,6 +40,15 @@ REFERENCE_MM = 500.0
 """The paper's working distance (5.1)."""
 SIDE_WEIGHT = 0.6
 """What an underside that is no fingertip dents, of what a fingertip at its height does. Chosen."""
+CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+"""Directions from the surface's middle, right and near."""
+HALF_MM = 150.0, 100.0
+"""Half the paper's interaction area (6.4)."""
+GLOW_REACH = 2.0
+"""A glow ends at this many times its reach."""
+GLOW_FLESH_MM = 15.0
+"""A glow is whole within this distance of a knuckle or fingertip: about the flesh around it."""
+GLOW_STEP = 4
 MELT = 3.0
 """Order of the norm that joins dents: below the sum, above the deepest. Chosen."""
 
@@ -103,6 +115,45 @@ class HaloCurve:
     """How soft the finger is, as the family's press has it; chosen."""
     across_deg: float = 0.0
     """Direction over the table in which the halo varies by place; chosen per seed."""
+    press_power: float = 0.0
+    """The press grows as this power of the force; 0: as the family's press."""
+    press_saturates: bool = False
+    """Whether a press with a power levels off, softly, around `press_g`."""
+    corner_fall: float = 0.0
+    """Share of the strength that is lost at one corner of the surface."""
+    corner: int = 0
+    """Which corner: 0 far left, 1 far right, 2 near right, 3 near left."""
+    wider_high: float = 0.0
+    """How much wider the footprint is at the onset than at contact, share of the radius."""
+    wider_pressed: float = 0.0
+    """How much wider the footprint is under a firm press, share of the radius."""
+    shift_mm: float = 0.0
+    """How far the footprint lies from the pad towards the palm."""
+    stretch: float = 1.0
+    """Length of the footprint along the finger over its width."""
+    lopsided: float = 0.0
+    """Gain of the right side and loss of the left one, seen along the finger; share."""
+    glow_mm: float = 0.0
+    """Depth of the shallow glow around a hand that lies low."""
+    glow_reach_mm: float = 35.0
+    """Distance at which 1/e of the glow is left."""
+
+    @property
+    def shape(self) -> str:
+        """`bell` or `odd`."""
+        bell = (self.shift_mm, self.stretch, self.lopsided, self.glow_mm) == (0.0, 1.0, 0.0, 0.0)
+        return "bell" if bell else "odd"
+
+    def press(self, force_g: float) -> float:
+        """What a force adds, as a share of what a firm press adds."""
+        if self.press_power == 0.0:
+            family = FAMILIES[self.family]
+            return family.press(force_g, self.press_g) / family.press(FIRM_G, self.press_g)
+        return self._power(force_g) / self._power(FIRM_G)
+
+    def _power(self, force_g: float) -> float:
+        grown = (force_g / self.press_g) ** self.press_power
+        return 1.0 - float(np.exp(-grown)) if self.press_saturates else float(grown)
 
 
 def depth(
@@ -112,12 +163,11 @@ def depth(
     fade: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> float:
     """Depth under a fingertip on paper, mm; `fade` scales approach, contact and press apart."""
-    family, soft = FAMILIES[curve.family], curve.press_g
+    family = FAMILIES[curve.family]
     height = float(np.clip(height_mm, 0.0, curve.onset_mm))
     approach = float(family.approach(np.array(height), curve.onset_mm))
     contact = max(0.0, 1.0 - height / CONTACT_ONSET_MM) ** 2
-    press = family.press(force_g, soft) / family.press(FIRM_G, soft)
-    parts = APPROACH_MM * approach, CONTACT_MM * contact, PRESS_MM * press
+    parts = APPROACH_MM * approach, CONTACT_MM * contact, PRESS_MM * curve.press(force_g)
     return curve.gain * sum(f * p for f, p in zip(fade, parts, strict=True))
 
 
@@ -173,15 +223,28 @@ def posture(pitch_deg: float) -> float:
 
 
 def by_place(curve: HaloCurve, x_mm: float, y_mm: float) -> float:
-    """The halo is not the same everywhere (4.1.3): a slope of +-8 % over 15 cm, chosen."""
+    """Strength at a place, mm from the surface's middle; 1 without any change.
+
+    The halo is not the same everywhere (4.1.3): a slope of +-8 % over 15 cm, and a loss of
+    `corner_fall` at one corner that is 0 at the opposite one. Both chosen.
+    """
     across = np.radians(curve.across_deg)
-    return float(1.0 + 0.08 * np.tanh((x_mm * np.cos(across) + y_mm * np.sin(across)) / 150.0))
+    slope = 0.08 * np.tanh((x_mm * np.cos(across) + y_mm * np.sin(across)) / 150.0)
+    right, near = CORNERS[curve.corner]
+    towards = (right * x_mm / HALF_MM[0] + near * y_mm / HALF_MM[1]) / 2.0
+    return float((1.0 + slope) * (1.0 - curve.corner_fall * np.clip((1.0 + towards) / 2.0, 0, 1)))
 
 
-def radius_mm(distance_mm: float) -> float:
-    """Of the footprint: between constant in mm (the light's share) and constant in pixels (the
-    sensor's). Chosen."""
-    return RADIUS_MM * float(np.sqrt(distance_mm / REFERENCE_MM))
+def radius_mm(
+    distance_mm: float, curve: HaloCurve | None = None, height_mm: float = 0.0, force_g: float = 0.0
+) -> float:
+    """Radius of the footprint: between constant in mm (the light's share) and constant in pixels
+    (the sensor's), wider as the curve says. Chosen."""
+    radius = RADIUS_MM * float(np.sqrt(distance_mm / REFERENCE_MM))
+    if curve is None:
+        return radius
+    high = curve.wider_high * min(1.0, height_mm / curve.onset_mm)
+    return radius * (1.0 + high + curve.wider_pressed * min(1.0, force_g / FIRM_G))
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,9 +253,62 @@ class Dent:
 
     x_mm: float
     y_mm: float
-    """On the surface."""
+    """Middle of the footprint, on the surface."""
     depth_mm: float
     radius_mm: float
+    """Across the finger."""
+    along: tuple[float, float] = (0.0, -1.0)
+    """Unit vector on the surface, where the finger points."""
+    stretch: float = 1.0
+    lopsided: float = 0.0
+
+    def shares(self, x_mm: NDArray[np.float32], y_mm: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Depth at places, mm, to the power of MELT."""
+        dx, dy = x_mm - np.float32(self.x_mm), y_mm - np.float32(self.y_mm)
+        deep = np.float32(self.depth_mm**MELT)
+        if self.stretch == 1.0 and self.lopsided == 0.0:
+            squared = np.asarray(dx * dx + dy * dy, np.float32) / np.float32(self.radius_mm**2)
+            return deep * _bell(squared)
+        along_x, along_y = np.float32(self.along[0]), np.float32(self.along[1])
+        ahead = (dx * along_x + dy * along_y) / np.float32(self.radius_mm * self.stretch)
+        right = (dy * along_x - dx * along_y) / np.float32(self.radius_mm)
+        tilt = 1.0 + np.float32(self.lopsided) * right / np.sqrt(1.0 + right * right)
+        return np.asarray(deep * tilt**MELT * _bell(np.asarray(ahead**2 + right**2)), np.float32)
+
+
+def _bell(squared: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The footprint to the power of MELT, from squared distances in radii."""
+    return np.asarray(np.exp(np.float32(-MELT) * squared * np.sqrt(squared)), dtype=np.float32)
+
+
+@dataclass(frozen=True, slots=True)
+class Glow:
+    """What one point of a low hand adds to the surface, far and shallow."""
+
+    x_mm: float
+    y_mm: float
+    depth_mm: float
+    reach_mm: float
+
+
+def glow_field(
+    glows: list[Glow], x_mm: NDArray[np.float32], y_mm: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Depth of the deepest glow at places on the surface, mm; x and y (H, W).
+
+    Computed on a grid that is GLOW_STEP times coarser: a glow changes over centimetres.
+    """
+    rows, columns = x_mm.shape
+    size = max(1, columns // GLOW_STEP), max(1, rows // GLOW_STEP)
+    x, y = (cv2.resize(grid, size, interpolation=cv2.INTER_AREA) for grid in (x_mm, y_mm))
+    deepest: NDArray[np.float32] = np.zeros(x.shape, np.float32)
+    end = np.float32(np.exp(-(GLOW_REACH**2)))  # so that the glow ends at the edge of its box
+    for glow in glows:
+        dx, dy = x - np.float32(glow.x_mm), y - np.float32(glow.y_mm)
+        away = np.maximum(np.sqrt(dx * dx + dy * dy) - np.float32(GLOW_FLESH_MM), 0.0)
+        share = np.exp(-((away / np.float32(glow.reach_mm)) ** 2)) - end
+        deepest = np.maximum(deepest, np.float32(glow.depth_mm) * share)
+    return np.asarray(cv2.resize(deepest, (columns, rows), interpolation=cv2.INTER_LINEAR))
 
 
 def dent_field(
@@ -205,6 +321,5 @@ def dent_field(
     """
     total = np.zeros(x_mm.shape, np.float32)
     for dent in dents:
-        away = ((x_mm - dent.x_mm) ** 2 + (y_mm - dent.y_mm) ** 2) / np.float32(dent.radius_mm**2)
-        total += np.float32(dent.depth_mm**MELT) * np.exp(np.float32(-MELT) * away * np.sqrt(away))
+        total += dent.shares(x_mm, y_mm)
     return np.asarray(np.cbrt(total) if MELT == 3.0 else total ** (1.0 / MELT), dtype=np.float32)

@@ -58,6 +58,10 @@ THUMB_FOLD_DEG = 26.0
 """How far a pointing hand's thumb lies in towards the index finger, chosen."""
 
 
+THUMB_OUT_DEG = -24.0
+"""The thumb's angle when it is spread, chosen."""
+
+
 def pointing(
     user: User,
     side: Side,
@@ -74,10 +78,15 @@ def pointing(
     flexion[finger] = (aim.pitch_deg - tilt - middle - last, middle, last)
     spread, force = [0.0] * 5, [0.0] * 5
     if finger is not Finger.THUMB:
-        spread[Finger.THUMB] = THUMB_FOLD_DEG * curl
+        spread[Finger.THUMB] = _thumb_deg(user, curl)
     force[finger] = aim.force_g
     pose = HandPose(side, np.eye(4), tuple(flexion), tuple(spread), 4.0 - 0.55 * tilt, tuple(force))
     return _clear(user, place(user, pose, aim, finger), but=finger)
+
+
+def _thumb_deg(user: User, curl: float) -> float:
+    folded = THUMB_FOLD_DEG * curl
+    return folded + (THUMB_OUT_DEG - folded) * user.thumb_out
 
 
 def open_hand(

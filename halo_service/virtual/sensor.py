@@ -17,10 +17,10 @@ from halo_service.virtual import bodies as shapes
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import factory
 from halo_service.virtual.colour_image import Bgr, ColourImager
-from halo_service.virtual.dents import dents_of
+from halo_service.virtual.dents import halo_parts
 from halo_service.virtual.depth_image import DepthImager, Ideal
 from halo_service.virtual.exposure import EDGE_STEP_MM
-from halo_service.virtual.halo import dent_field, fading
+from halo_service.virtual.halo import fading
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.optics import (
     AVERAGED,
@@ -32,9 +32,6 @@ from halo_service.virtual.optics import (
 )
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import PosedHand, User
-
-REACH = 2.2
-"""Beyond this many radii a dent is below a thousandth of a millimetre."""
 
 
 class Sensor:
@@ -112,22 +109,21 @@ class Sensor:
 
     def _dent(self, hands: Sequence[PosedHand], ideal: Ideal) -> None:
         """Press the halo into the table around every finger, in place."""
-        dents = [d for hand in hands for d in dents_of(self.room, hand, self._fade)]
-        if not dents:
-            return
-        places = np.array([[d.x_mm, d.y_mm, 0.0] for d in dents])
-        px = self.camera.depth.project(self.surface.to_camera(places))
-        # In pixels; a margin for the lens's distortion and for a table that comes nearer.
-        reach = 1.15 * REACH * max(d.radius_mm for d in dents)
-        reach *= self.camera.depth.fx / self.room.camera_height_mm
-        box = clipped(px.min(axis=0) - reach, px.max(axis=0) + reach, ideal.depth.shape)
         view = self._imager.view
-        field = dent_field(dents, view.x_mm[box], view.y_mm[box]) * self._imager.top.halo[box]
-        # Skin is not dented, but a low finger's averaged pixels share what lies around them.
-        rise = self._imager.table[box] - ideal.depth[box] + ideal.late[box]
-        rise /= np.float32(EDGE_STEP_MM)
-        share = np.clip(np.float32(AVERAGED) * (np.float32(1.0) - rise), 0.0, 1.0)
-        ideal.depth[box] += np.where(ideal.covered[box] > 0, share * field, field)
+        for part in halo_parts(self.room, hands, self._fade):
+            places = np.column_stack([part.places_mm, np.zeros(len(part.places_mm))])
+            px = self.camera.depth.project(self.surface.to_camera(places))
+            # In pixels; a margin for the lens's distortion and for a table that comes nearer.
+            reach = 1.15 * part.reach_mm * self.camera.depth.fx / self.room.camera_height_mm
+            box = clipped(px.min(axis=0) - reach, px.max(axis=0) + reach, ideal.depth.shape)
+            if view.x_mm[box].size == 0:
+                continue
+            field = part.field(view.x_mm[box], view.y_mm[box]) * self._imager.top.halo[box]
+            # Skin is not dented, but a low finger's averaged pixels share what lies around them.
+            rise = self._imager.table[box] - ideal.depth[box] + ideal.late[box]
+            rise /= np.float32(EDGE_STEP_MM)
+            share = np.clip(np.float32(AVERAGED) * (np.float32(1.0) - rise), 0.0, 1.0)
+            ideal.depth[box] += np.where(ideal.covered[box] > 0, share * field, field)
 
     def _picture(
         self,

@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import parse_qsl
 
 from halo_service.errors import UserError
-from halo_service.values import Side
+from halo_service.values import Finger, Side
 from halo_service.virtual.pictures import findable
 from halo_service.virtual.props import sheets
 from halo_service.virtual.room import Room, draw_room
@@ -26,6 +26,18 @@ def _sensor(text: str) -> SensorModel:
     if text not in SENSORS:
         raise UserError(f"unknown virtual sensor {text!r}; choose from: {', '.join(SENSORS)}.")
     return SENSORS[text]
+
+
+def _sleeve(text: str) -> float | None:
+    return None if text == "none" else float(text)
+
+
+def _yes(text: str) -> bool:
+    return {"yes": True, "no": False}[text]
+
+
+def _fingers(text: str) -> tuple[Finger, ...]:
+    return tuple(Finger[name.upper()] for name in _list(text))
 
 
 def _list(text: str) -> tuple[str, ...]:
@@ -62,14 +74,41 @@ OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "skin": ("user.skin", float),
     "skin_offset_mm": ("user.skin_offset_mm", float),
     "nail_mm": ("user.nail_mm", float),
-    "sleeve_mm": ("user.sleeve_mm", float),
+    "sleeve_mm": ("user.sleeve_mm", _sleeve),
     "curl": ("user.curl", float),
+    "thumb_out": ("user.thumb_out", float),
+    "nail_over_mm": ("user.nail_over_mm", float),
+    "sleeve_infrared": ("user.sleeve_infrared", float),
+    "rings": ("user.rings", _fingers),
+    "seat_deg": ("seat_deg", float),
     "family": ("curve.family", str),
     "onset_mm": ("curve.onset_mm", float),
     "gain": ("curve.gain", float),
     "press_g": ("curve.press_g", float),
+    "press_power": ("curve.press_power", float),
+    "press_saturates": ("curve.press_saturates", _yes),
+    "corner_fall": ("curve.corner_fall", float),
+    "corner": ("curve.corner", int),
+    "wider_high": ("curve.wider_high", float),
+    "wider_pressed": ("curve.wider_pressed", float),
+    "shift_mm": ("curve.shift_mm", float),
+    "stretch": ("curve.stretch", float),
+    "lopsided": ("curve.lopsided", float),
+    "glow_mm": ("curve.glow_mm", float),
+    "glow_reach_mm": ("curve.glow_reach_mm", float),
 }
 """Option -> the field of the room, its user or its curve, and how to read it."""
+
+
+KINDS: dict[Callable[[str], Any], str] = {
+    int: "a whole number",
+    float: "a number",
+    _side: "left or right",
+    _sleeve: "a number or none",
+    _yes: "yes or no",
+    _fingers: "names of fingers: thumb, index, middle, ring, little",
+}
+"""How to name what a reader accepts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,5 +157,5 @@ def _read(option: str, text: str, read: Callable[[str], Any]) -> Any:
     try:
         return read(text)
     except (ValueError, KeyError):
-        kind = {int: "a whole number", float: "a number"}.get(read, "left or right")  # type: ignore[call-overload]
+        kind = KINDS[read]
         raise UserError(f"The virtual Kinect's {option} is {text!r}; it must be {kind}.") from None

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.values import Finger, Side
-from halo_service.virtual.anatomy import ARM, BONES, PLANS, bone_of, hand_mesh, joints
+from halo_service.virtual.anatomy import ARM, BONES, PLANS, bone_of, hand_mesh, joints, nail_count
 from halo_service.virtual.mesh import Floats, Ints
 
 Angles = tuple[float, float, float]
@@ -53,7 +53,16 @@ class User:
     sleeve_mm: float | None = None
     """Where a sleeve begins, from the wrist towards the elbow; None: bare arm."""
     curl: float = 1.0
-    """How far a pointing hand's other fingers are drawn in: 0 loose, 1 near the palm (5.1)."""
+    """How far a pointing hand's other fingers are drawn in: 0 they hang down to just above the
+    table, 1 near the palm (5.1)."""
+    thumb_out: float = 0.0
+    """How far a pointing hand's thumb is spread: 0 along the index finger, 1 far out."""
+    nail_over_mm: float = 0.0
+    """How far the nails reach beyond the fingertips."""
+    sleeve_infrared: float = 0.45
+    """Reflectance of the sleeve. Dark dyes are bright in the near infrared: chosen."""
+    rings: tuple[Finger, ...] = ()
+    """Fingers with a ring on their first segment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +141,8 @@ class PosedHand:
         return float(pitch), float(np.degrees(np.arctan2(d[0], -d[1])))
 
 
+NAIL_CLEAR_MM = -0.2
+"""A nail lies at least so high above the table, chosen."""
 POINTING_DEG = 95.0
 """Bend between a finger's first and last segment below which it points; chosen."""
 
@@ -153,7 +164,7 @@ def tip_of(user: User, pose: HandPose, finger: Finger) -> Floats:
 
 def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> PosedHand:
     """Bend the skin over the bones and put it into the surface's frame."""
-    mesh = hand_mesh(user.girth)
+    mesh = hand_mesh(user.girth, user.nail_over_mm)
     bones = bones_of(pose)
     mix = (mesh.weights @ bones.reshape(BONES, 16)).reshape(-1, 4, 4)
     vertices = np.einsum("vij,vj->vi", mix[:, :3, :3], mesh.vertices) + mix[:, :3, 3]
@@ -171,9 +182,13 @@ def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> Po
     normals = normals @ rotation.T
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     radii = np.array([PLANS[finger].radii for finger in Finger]) * user.girth * user.size
+    vertices = vertices * user.size @ rotation.T + origin
+    if user.nail_over_mm > 0.0:  # a nail that meets the table goes no deeper than the pad
+        nails = vertices[-nail_count() :]
+        nails[:, 2] = np.minimum(nails[:, 2], NAIL_CLEAR_MM)
     return PosedHand(
         pose.side,
-        vertices * user.size @ rotation.T + origin,
+        vertices,
         normals,
         faces,
         skeleton * user.size @ rotation.T + origin,

@@ -23,7 +23,11 @@ SWAY_MM = 0.5
 class TimelineReader:
     """Reads segments as far as time has come."""
 
-    def __init__(self, segments: Iterator[Segment], rng: np.random.Generator) -> None:
+    def __init__(
+        self, segments: Iterator[Segment], rng: np.random.Generator, turn_deg: float = 0.0
+    ) -> None:
+        """`turn_deg` is added to every yaw: where the user sits."""
+        self._turn_deg = turn_deg
         self._source = segments
         self._recent: list[Segment] = []
         self._started: list[Contact] = []
@@ -72,4 +76,5 @@ class TimelineReader:
             x_mm=pose.x_mm + float(shake[0]) * along,
             y_mm=pose.y_mm + float(shake[1]) * along,
             height_mm=max(0.0, pose.height_mm + float(shake[2]) * loose),
+            yaw_deg=pose.yaw_deg + self._turn_deg,
         )

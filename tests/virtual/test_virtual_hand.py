@@ -8,8 +8,8 @@ import pytest
 from halo_service.values import Finger, Side
 from halo_service.virtual.anatomy import hand_mesh
 from halo_service.virtual.hand import fist, open_hand, pointing, resting
-from halo_service.virtual.room import draw_user
 from halo_service.virtual.skeleton import FingerPose, User, indentation_mm, posed, tip_of
+from halo_service.virtual.users import draw_user
 
 SIDES = (Side.LEFT, Side.RIGHT)
 PITCHES = (15.0, 30.0, 45.0, 60.0, 75.0)

@@ -24,10 +24,10 @@ from halo_service.virtual.hand import pointing
 from halo_service.virtual.motion import Segment, Timeline
 from halo_service.virtual.props import Flat, printed
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
-from halo_service.virtual.scenarios.common import away
+from halo_service.virtual.scenarios.common import away, is_away
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
-from halo_service.virtual.timeline import SWAY_MM, TimelineReader
+from halo_service.virtual.timeline import TimelineReader
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0
@@ -80,7 +80,7 @@ class VirtualUser:
         self.camera = self._sensor.camera
         rng = np.random.default_rng([room.seed, 5])
         self._performer = Timeline(rng, away(room, room.dominant), room.dominant)
-        self._track = TimelineReader(self._live(), rng)
+        self._track = TimelineReader(self._live(), rng, room.seat_deg)
         self._cue: Cue | None = None
         self._index = 0
 
@@ -132,7 +132,7 @@ class VirtualUser:
     def _hands(self, aim: FingerPose) -> list[PosedHand]:
         """The hand, where it is in view: what nobody sees need not be drawn."""
         user, side = self._room.user, self._room.dominant
-        if aim.y_mm > away(self._room, side).y_mm - SWAY_MM:
+        if is_away(self._room, aim):
             return []
         return [posed(user, pointing(user, side, aim, curl=1.0))]
 

@@ -72,9 +72,9 @@ class ControlledHand:
         """The pose of the last message, at any time."""
         if self._aim is None:
             return None
-        return pointing(
-            self._room.user, self._side, self._aim, finger=self._finger, curl=self._room.user.curl
-        )
+        aim = dataclasses.replace(self._aim, yaw_deg=self._room.seat_deg)
+        user = self._room.user
+        return pointing(user, self._side, aim, finger=self._finger, curl=user.curl)
 
     def started_contacts(self, t_s: float) -> list[Contact]:
         """None: the end of a touch is not known yet; the line of each frame has its state."""

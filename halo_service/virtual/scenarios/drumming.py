@@ -11,7 +11,7 @@ from halo_service.values import Side
 from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import Room
 from halo_service.virtual.scenario import Scenario, other
-from halo_service.virtual.scenarios.common import comfortable, pointer
+from halo_service.virtual.scenarios.common import at_near_edge, comfortable, pointer
 
 TIMING_S = 0.012
 """How unevenly people drum, one sigma; published asynchronies of drummers are 10 to 20 ms."""
@@ -21,6 +21,7 @@ STROKES = ((0.0, 1.0), (0.5, 0.5), (1.0, 0.8), (1.5, 0.4), (2.0, 1.0), (2.5, 0.5
 
 def drumming(room: Room, rng: np.random.Generator) -> Scenario:
     """Never ends."""
+    room = at_near_edge(room)
     tempo_s = 60.0 / rng.uniform(84.0, 116.0)
     sign = 1.0 if room.dominant is Side.RIGHT else -1.0
     hands = [

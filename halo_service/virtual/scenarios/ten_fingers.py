@@ -12,7 +12,7 @@ from halo_service.virtual.hand import open_hand
 from halo_service.virtual.motion import Contact, Segment, Timeline, bump
 from halo_service.virtual.room import Room
 from halo_service.virtual.scenario import Scenario
-from halo_service.virtual.scenarios.common import away
+from halo_service.virtual.scenarios.common import away, from_seat
 from halo_service.virtual.skeleton import FingerPose, HandPose, User
 from halo_service.virtual.timeline import SWAY_MM, TimelineReader
 
@@ -76,16 +76,16 @@ def _hand(room: Room, rng: np.random.Generator, side: Side) -> OpenHand:
         start = FingerPose(0.0, 0.0, REST_MM)
         timeline = Timeline(rng, start, side, finger)
         fingers[finger] = TimelineReader(_taps(timeline, order, rhythm), rng)
-    return OpenHand(room.user, side, TimelineReader(_palm(palm), rng), fingers)
+    return OpenHand(room.user, side, TimelineReader(_palm(palm, room), rng, room.seat_deg), fingers)
 
 
-def _palm(p: Timeline) -> Iterator[Segment]:
+def _palm(p: Timeline, room: Room) -> Iterator[Segment]:
     """Comes, and then drifts about a little between the taps."""
     x = 225.0 if p.side is Side.RIGHT else 75.0
     inwards = -10.0 if p.side is Side.RIGHT else 10.0
     angles = {"pitch_deg": HANG_DEG, "yaw_deg": inwards}
     yield from p.hold(2.5)
-    yield from p.reach(1.3, x_mm=x, y_mm=70.0, height_mm=REST_MM, **angles)
+    yield from p.reach(1.3, **from_seat(room, x, 70.0), height_mm=REST_MM, **angles)
     while True:
         yield from p.hold(30.0)
 

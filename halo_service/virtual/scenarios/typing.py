@@ -16,7 +16,7 @@ from halo_service.values import Side
 from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import WIDTH_MM, Room
 from halo_service.virtual.scenario import Scenario
-from halo_service.virtual.scenarios.common import comfortable, pointer
+from halo_service.virtual.scenarios.common import at_near_edge, comfortable, pointer
 from halo_type.layout import SPACE, Key, keyboard
 from halo_type.layout import WIDTH_MM as KEYBOARD_MM
 from halo_type.phrases import PHRASES
@@ -106,7 +106,7 @@ def fast(room: Room, rng: np.random.Generator) -> Scenario:
 
 def _typed(room: Room, rng: np.random.Generator, style: Style) -> Scenario:
     """The left hand types the left half; the space bar goes to the hand that typed last."""
-    motions = []
+    room, motions = at_near_edge(room), []
     for side in (Side.LEFT, Side.RIGHT):
         motions.append(pointer(room, rng, lambda p: _strokes(p, room.seed, style), side)[1])
     return Scenario(room, motions)

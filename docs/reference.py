@@ -1,4 +1,4 @@
-"""Write docs/commands.md from the command line's parser and docs/settings.md from the JSON schema.
+"""Write docs/commands.md from the parser, docs/settings.md from the JSON schema, and the figures.
 
     uv run python docs/reference.py
 
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from halo_service.app.parser import COMMANDS, make_parser
+from halo_service.evaluation.report.figures import figures_page
 from halo_service.settings.schema import schema_text
 
 FOLDER = Path(__file__).parent
@@ -142,11 +143,11 @@ def _cell(words: str) -> str:
     return " ".join(words.split()).replace("|", "\\|")
 
 
-PAGES = {"commands.md": commands, "settings.md": settings}
+PAGES = {"commands.md": commands, "settings.md": settings, "results/figures.md": figures_page}
 
 
 def main() -> None:
-    """Write both pages."""
+    """Write all pages."""
     for name, page in PAGES.items():
         (FOLDER / name).write_text(page(), encoding="utf-8")
         sys.stdout.write(f"{FOLDER / name}\n")

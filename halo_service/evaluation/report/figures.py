@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from string import Formatter
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -316,5 +316,6 @@ def _parts(part: Scores, name: str, *names: str) -> Iterator[tuple[str, float]]:
 
 def figures_page() -> str:
     """Return the Markdown page that explains every figure."""
-    rows: list[Any] = [f"| `{figure.name}` | {figure.meaning} |" for figure in FIGURES]
-    return "\n".join(["| figure | meaning |", "| --- | --- |", *rows, ""])
+    rows = (f"| `{figure.name}` | {figure.meaning} |" for figure in FIGURES)
+    head = ("# Figures", "", "The figures of `halo evaluate --csv`, in their order.", "")
+    return "\n".join([*head, "| figure | meaning |", "|---|---|", *rows, ""])

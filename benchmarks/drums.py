@@ -1,9 +1,9 @@
-"""How the drums keep up: a minute on a sound device that nobody hears, as busy as hands can be.
+"""Whether the drums are fast enough: a minute on a null sound device, at the fastest drumming.
 
 uv run python benchmarks/drums.py [SECONDS]
 
-Beside it, in a process of its own, a device plays that nobody hits: what it misses is the
-machine's fault, not the drums'.
+In parallel, a second process runs the same device without hits: gaps there are caused by the
+machine, not by the drums.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ from halo_window.stage import SIZE
 
 PICTURES_HZ = 60
 HIT_EACH = 5
-"""Pictures between two hits: twelve a second are both hands, as fast as it goes."""
-CONTROL = "nobody-plays"
+"""Pictures between two hits: 12 hits a second are two hands at full speed."""
+CONTROL = "control"
 
 
 def main() -> None:
-    """Both at once; the control is this program again."""
+    """Run both at once; the control is this program again."""
     if sys.argv[1:2] == [CONTROL]:
-        play({}, float(sys.argv[2]), CONTROL)
+        run({}, float(sys.argv[2]), CONTROL)
         return
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     bank = make_bank(KIT)
     print(f"a full mixer: {full_block_ms(bank):.2f} ms for {1000 * BLOCK / RATE:.2f} ms of sound")
-    print(f"the device keeps {1000 * LATENCY_S:.0f} ms ready; later than that, there is a gap")
+    print(f"the device buffers {1000 * LATENCY_S:.0f} ms; a longer delay is a gap")
     with subprocess.Popen([sys.executable, __file__, CONTROL, str(seconds)]):
-        play(bank, seconds, "drums")
+        run(bank, seconds, "drums")
 
 
-def play(bank: Bank, seconds: float, name: str) -> None:
-    """Hits and pictures as in a window; none of either for the control, which has no bank."""
+def run(bank: Bank, seconds: float, name: str) -> None:
+    """Hits and pictures as in a window; neither for the control, which has no bank."""
     pygame.display.init()
     pygame.font.init()
     screen = pygame.display.set_mode(SIZE)
@@ -73,14 +73,14 @@ def play(bank: Bank, seconds: float, name: str) -> None:
                 pygame.display.flip()
             time.sleep(max(0.0, began_s + 1 / PICTURES_HZ - time.perf_counter()))
         print(
-            f"{name}: {speakers.made_s:.1f} s played, {speakers.gaps} gaps; a piece came at most "
+            f"{name}: {speakers.made_s:.1f} s of sound, {speakers.gaps} gaps; a piece came at most "
             f"{1000 * speakers.latest_s:.0f} ms late, and the slowest took "
-            f"{100 * speakers.slowest:.0f} % of its time to make"
+            f"{100 * speakers.slowest:.0f} % of its duration to compute"
         )
 
 
 def full_block_ms(bank: Bank) -> float:
-    """What a block takes with all voices ringing."""
+    """Return the time of a block with all voices active, ms."""
     mixer = Mixer(bank)
     for number in range(24):
         mixer.apply(Hit(0, TouchKey("b", "t", "s", 1, number), KIT[number % 4], 1.0, 0.5, 0.5))

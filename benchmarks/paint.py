@@ -1,4 +1,4 @@
-"""How painting keeps up: pictures at 1920x1080 while two fingers draw with the widest brush.
+"""Whether painting is fast enough: two fingers with the widest brush, pictures at 1920x1080.
 
 SDL_VIDEODRIVER=dummy uv run python benchmarks/paint.py
 """
@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def _frame(number: int) -> TouchFrame:
-    """Two fingers on circles, 150 mm/s, pressing as hard as it counts."""
+    """Two fingers on circles, 150 mm/s, at full pressure."""
     fingers = []
     for finger, middle in ((1, 100.0), (2, 200.0)):
         angle = number * 0.125

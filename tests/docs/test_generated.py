@@ -13,7 +13,14 @@ REPOSITORY = Path(__file__).parents[2]
 FOLDER = REPOSITORY / "docs"
 PAGES = sorted(
     path
-    for pattern in ("*.md", "docs/*.md", "clients/*.md", "clients/*/*.md", "protocol/*.md")
+    for pattern in (
+        "*.md",
+        "docs/*.md",
+        "clients/*.md",
+        "clients/*/*.md",
+        "protocol/*.md",
+        "calibration/*/*.md",
+    )
     for path in REPOSITORY.glob(pattern)
 )
 
@@ -61,3 +68,10 @@ def test_a_new_latency_run_replaces_the_old_one() -> None:
         text.partition(latency.BEGIN)[0] + text.partition(latency.END)[2] for text in (page, twice)
     ]
     assert outside[0] == outside[1]
+
+
+def test_ci_ends_with_the_test_command_of_the_readme() -> None:
+    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    command = readme.partition("## Tests")[2].split("```")[1].strip()
+    last = (REPOSITORY / ".ci" / "run").read_text(encoding="utf-8").strip().splitlines()[-1]
+    assert last == f"HALO_CI=1 {command}"

@@ -1,9 +1,9 @@
-"""The values that the rooms hand to each other.
+"""The values that the packages exchange.
 
-Rule: values only. Frozen, no I/O, no clock, no method that computes more than a
-view of itself; each field says its unit and its space.
+Rule: values only. Frozen, no I/O, no clock, no method that computes more than a view of its
+fields. Each field states its unit and its space.
 
-`Frame -> Fingertips -> Halo signals -> Contacts -> TouchFrame`
+`Frame -> hands -> tracks -> fingertip measurements -> contacts -> TouchFrame -> bytes`
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Infrared = NDArray[np.uint16]
 Pixels = NDArray[np.float64]
 
 SourceKind = Literal["camera", "recording", "virtual"]
-"""What stands behind the frames; clients are told, so that nobody mistakes one for another."""
+"""Where frames come from. It is sent to clients, so that none takes a simulation for real."""
 
 
 class Side(IntEnum):
@@ -60,13 +60,13 @@ class Frame:
     ir: Infrared
     """(H, W) uint16, active brightness; 65535 where it saturates."""
     colour: NDArray[np.uint8] | bytes | None = None
-    """(h, w, 3) uint8 BGR, or the JPEG as the camera sent it (decoding costs 10 ms, so nobody
-    decodes it who does not need it), or None."""
+    """(h, w, 3) uint8 BGR, or the JPEG as the camera sent it (decoding costs 10 ms, so only code
+    that needs the image decodes it), or None."""
 
 
 @dataclass(frozen=True, slots=True)
 class BadFrame:
-    """A capture that cannot be sensed; it is counted and told, never silently skipped."""
+    """A capture that cannot be sensed; it is counted and reported, never silently skipped."""
 
     time_us: int
     reason: str
@@ -85,7 +85,7 @@ class Hand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracked:
-    """What the hand tracker last saw; older than the present frame by the tracker's latency."""
+    """The hands that the tracker found last; older than the present frame by its latency."""
 
     time_us: int
     hands: tuple[Hand, ...]
@@ -93,7 +93,7 @@ class Tracked:
 
 @dataclass(frozen=True, slots=True)
 class Fingertip:
-    """One extended fingertip, carried forward from the tracker's frame to the present one."""
+    """One extended fingertip, moved from the tracker's frame to the present one."""
 
     side: Side
     finger: Finger
@@ -104,7 +104,7 @@ class Fingertip:
     pad_mm: tuple[float, float]
     """x, y of the pad's lowest point on the surface, surface frame."""
     camera_mm: tuple[float, float, float]
-    """The pad's lowest point in the depth camera's frame, at the height its own depth tells."""
+    """The pad's lowest point in the depth camera's frame, at the height by its own depth."""
     top_mm: float
     """Height of the finger's upper side above the surface by its depth; nan where unmeasured."""
     pitch_deg: float
@@ -112,7 +112,7 @@ class Fingertip:
     yaw_deg: float
     """0 pointing to the far edge, positive clockwise as the user sees it."""
     confidence: float
-    """0 to 1: the tracker's, less what the present frame takes away."""
+    """0 to 1: the tracker's, reduced by what the present frame shows."""
     width_mm: float = math.nan
     """Of the fingertip, between its two sides; nan where they are not clear."""
 
@@ -129,8 +129,8 @@ class Signal:
     """How deep the surface seems dented under the fingertip, as it would be at the place of the
     calibration, mm; nan where it is hidden."""
     pressed_mm: float
-    """The same as it would be at the calibration's pitch too, mm. It tells touch and force, though
-    its curve over the pitch is that of fingers that touch: in the air a pitch reads otherwise."""
+    """The same as it would be at the calibration's pitch too, mm. It decides touch and force; its
+    curve over the pitch is that of touching fingers, so a finger in the air reads otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostics:
-    """What only a developer wants to know of a pointer; written by replay, never sent."""
+    """Details of a pointer for developers; written by replay, never sent."""
 
     camera_mm: tuple[float, float, float]
     tip_px: tuple[float, float]
@@ -159,12 +159,12 @@ class Diagnostics:
     yaw_deg: float
     dent_mm: float = math.nan
     pressed_mm: float = math.nan
-    """As in `Signal`; nan where the dent is hidden, and of methods that read none."""
+    """As in `Signal`; nan where the dent is hidden, and for methods that read none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pointer:
-    """One live fingertip, as clients see it."""
+    """One fingertip, as clients receive it."""
 
     id: int
     """Grows, never reused in a session."""
@@ -181,7 +181,7 @@ class Pointer:
     pressure: float
     """0 in hover; in touch at least 0.02, 1 at the calibrated medium press, more beyond."""
     force_g: float
-    """Grams where the calibration's force is known, else -1."""
+    """Grams if the calibration states its forces, else -1."""
     vx_mm_s: float
     vy_mm_s: float
     confidence: float
@@ -208,7 +208,7 @@ class TouchEvent:
 
 @dataclass(frozen=True, slots=True)
 class TouchFrame:
-    """Everything true of the surface at one moment: what is published."""
+    """The state of the surface at one moment: what is published."""
 
     time_us: int
     surface: str

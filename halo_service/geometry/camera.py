@@ -52,7 +52,7 @@ class Lens:
         """Map (N, 2) pixels to (N, 3) directions with z = 1: a point at depth z is `z * ray`."""
         if len(px) == 0:
             return np.empty((0, 3))
-        # OpenCV's default stops after 5 rounds and is 2 px off in the image's corners.
+        # OpenCV's default stops after 5 iterations and is 2 px off in the image's corners.
         until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
         flat = cv2.undistortPointsIter(
             px.reshape(-1, 1, 2).astype(np.float64),

@@ -21,7 +21,7 @@ _T = TypeVar("_T")
 
 
 class CalibrationError(UserError):
-    """The bytes are no calibration of an Azure Kinect. The message says what is missing."""
+    """The bytes are not an Azure Kinect's calibration. The message says what is missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +31,9 @@ class Cut:
     scaled: tuple[int, int]
     """Width and height of the whole sensor after binning or scaling, px."""
     offset: tuple[int, int]
-    """Where the picture's top left pixel lies in it, px."""
+    """The image's top left pixel in it, px."""
     size: tuple[int, int]
-    """Width and height of the picture, px."""
+    """Width and height of the image, px."""
 
 
 # Modes and sizes: the Azure Kinect's published hardware specification. Offsets: the sensor
@@ -57,10 +57,10 @@ _DEPTH, _COLOUR = "CALIBRATION_CameraLocationD0", "CALIBRATION_CameraLocationPV0
 _PARAMETERS = 14
 """cx, cy, fx, fy, k1 to k6, centre of distortion x and y (always 0), p2, p1."""
 _LENS_MODEL = "CALIBRATION_LensDistortionModelBrownConrady"
-"""OpenCV's rational model. The only other one, Rational6KT, was in devices never sold."""
+"""OpenCV's rational model. The only other one, Rational6KT, was never sold."""
 _MM_PER_M = 1000.0
 _HUGE = 1e6
-"""No lens has such a coefficient, and no camera is built that large."""
+"""No lens has such a coefficient, and no camera is that large."""
 
 
 def from_json(data: bytes, *, depth_mode: str, colour_resolution: str | None, fps: int) -> Camera:
@@ -71,11 +71,13 @@ def from_json(data: bytes, *, depth_mode: str, colour_resolution: str | None, fp
     """
     if depth_mode not in DEPTH_MODES:
         raise CalibrationError(
-            f"unknown depth mode {depth_mode!r}; known: {', '.join(DEPTH_MODES)}"
+            f"unknown depth mode {depth_mode!r}; choose from: {', '.join(DEPTH_MODES)}"
         )
     if colour_resolution is not None and colour_resolution not in COLOUR_RESOLUTIONS:
-        known = ", ".join(COLOUR_RESOLUTIONS)
-        raise CalibrationError(f"unknown colour resolution {colour_resolution!r}; known: {known}")
+        choices = ", ".join(COLOUR_RESOLUTIONS)
+        raise CalibrationError(
+            f"unknown colour resolution {colour_resolution!r}; choose from: {choices}"
+        )
     information = _member(_parsed(data), "CalibrationInformation", dict)
     depth = _camera_at(information, _DEPTH)
     colour, colour_from_depth = None, np.eye(4)
@@ -94,7 +96,7 @@ def from_json(data: bytes, *, depth_mode: str, colour_resolution: str | None, fp
 
 
 def to_json(camera: Camera) -> bytes:
-    """Write `camera` as the SDK's calibration file; `from_json` gives it back.
+    """Write `camera` as the SDK's calibration file; `from_json` reads it back.
 
     Raises KeyError or ValueError for a camera in none of the Azure Kinect's modes.
     """
@@ -113,7 +115,7 @@ def to_json(camera: Camera) -> bytes:
 
 
 def colour_resolution_of(lens: Lens) -> str:
-    """Name the colour resolution of that size; raises ValueError where the Kinect has none."""
+    """Name the colour resolution of that size; raises ValueError if the Kinect has none."""
     for name, cut in COLOUR_RESOLUTIONS.items():
         if cut.size == (lens.width, lens.height):
             return name
@@ -180,7 +182,7 @@ def _pose(entry: dict[str, Any]) -> Points:
     pose[:3, :3] = np.reshape(_numbers(rt, "Rotation", 9), (3, 3))
     pose[:3, 3] = np.multiply(_numbers(rt, "Translation", 3), _MM_PER_M)
     if abs(np.linalg.det(pose) - 1.0) > 1e-3:
-        raise CalibrationError("the calibration's 'Rotation' is no rotation")
+        raise CalibrationError("the calibration's 'Rotation' is not a rotation")
     return pose
 
 
@@ -214,8 +216,8 @@ def _numbers(parent: dict[str, Any], name: str, count: int) -> list[float]:
     if len(values) != count:
         raise CalibrationError(f"the calibration's {name!r} has {len(values)} numbers, not {count}")
     if any(not isinstance(v, int | float) or isinstance(v, bool) for v in values):
-        raise CalibrationError(f"the calibration's {name!r} holds something that is no number")
+        raise CalibrationError(f"the calibration's {name!r} holds something that is not a number")
     # Also false for NaN.
     if not all(-_HUGE < v < _HUGE for v in values):
-        raise CalibrationError(f"the calibration's {name!r} holds a number out of all range")
+        raise CalibrationError(f"the calibration's {name!r} holds a number out of range")
     return [float(v) for v in values]

@@ -1,4 +1,4 @@
-"""The surface: a plane in the camera's view, with a frame of its own.
+"""The surface: a plane in the camera's view, with its own frame.
 
 Surface frame: origin at the top left as the user sits, x right, y towards the user,
 z into the surface (right-handed), mm. Height above the surface is -z.
@@ -16,7 +16,7 @@ from halo_service.geometry.matrix import Matrix4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """A named rectangle on a plane, and where the depth camera stands over it."""
+    """A named rectangle on a plane, and the depth camera's pose over it."""
 
     name: str
     width_mm: float
@@ -35,7 +35,7 @@ class Surface:
         return np.asarray(points @ rotation.T + origin, dtype=np.float64)
 
     def seen_at(self, px: Points, lens: Lens, lens_from_camera: Points) -> Points:
-        """Map (N, 2) pixels of a lens to the (N, 2) places on the surface they look at; mm.
+        """Map (N, 2) pixels of a lens to the (N, 2) places on the surface that they see; mm.
 
         `lens_from_camera`: (4, 4), mm, from the depth camera's frame: `Camera.colour_from_depth`
         for its colour lens, the identity for its depth lens. A ray that never meets the surface
@@ -54,10 +54,11 @@ class Surface:
         points = self.to_camera(np.column_stack([places, np.zeros(len(places))]))
         return lens.project(points @ lens_from_camera[:3, :3].T + lens_from_camera[:3, 3])
 
-    def laid(self, plane_from_surface: Points, width_mm: float, height_mm: float) -> Surface:
-        """Lay another rectangle on the same plane, under the same name.
+    def moved(self, plane_from_surface: Points, width_mm: float, height_mm: float) -> Surface:
+        """Return another rectangle on the same plane, with the same name.
 
-        `plane_from_surface`: (3, 3), mm: p_here = M (x, y, 1) of the new frame, a turn and a shift.
+        `plane_from_surface`: (3, 3), mm: p_here = M (x, y, 1) of the new frame, a
+        rotation and a shift.
         """
         moved = np.eye(4)
         moved[:2, :2], moved[:2, 3] = plane_from_surface[:2, :2], plane_from_surface[:2, 2]
@@ -72,7 +73,7 @@ def from_view(
     width_mm: float = 300.0,
     height_mm: float = 200.0,
 ) -> Surface:
-    """Lay a surface around the camera's optical axis; the image's top is its far edge.
+    """Return a surface around the camera's optical axis; the image's top is its far edge.
 
     `normal`: (3,) unit, into the surface, in the depth camera's frame; `distance_mm`: from the
     lens to the plane along the optical axis.

@@ -1,6 +1,6 @@
-"""Where the hands are: MediaPipe on the camera's picture, beside the path of the frames.
+"""Where the hands are: MediaPipe on the camera's image, in parallel with the frames.
 
-Rule: a tracker is stateful and late, so it stands outside the sensing, which is handed what
-it last saw. OpenMP and OpenCV have to be held to one thread each before this room is first
-imported (environment variables), or the tracker starves the frames beside it.
+Rule: a tracker is stateful and late, so it runs outside the sensing, which gets the hands that it
+found last. OpenMP and OpenCV must be limited to one thread each before this package is first
+imported (environment variables), or the tracker takes the cores from the frames.
 """

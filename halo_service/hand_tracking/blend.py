@@ -1,8 +1,8 @@
-"""The picture in which hands are sought: 0.7 infrared + 0.3 colour, as the depth camera sees it.
+"""The image for the hand tracker: 0.7 infrared + 0.3 colour, in the depth camera's view.
 
-Rule: pure. Projected light on a hand breaks a tracker that sees colour alone, and the room's
-light does not reach the infrared: the paper blends both (section 4.3). Colour is brought into
-the depth camera's pixels, so that a landmark in the picture is a pixel of the depth.
+Rule: pure. Projected light on a hand breaks a tracker that gets colour alone, and room light does
+not reach the infrared: the paper blends both (section 4.3). Colour is warped to the depth
+camera's pixels, so that a landmark in the image is a depth pixel.
 """
 
 from __future__ import annotations
@@ -18,31 +18,31 @@ Picture = NDArray[np.uint8]
 Map = NDArray[np.float32]
 
 IR_SHARE = 0.7
-"""The paper's, section 4.3; the rest is colour."""
+"""As in the paper, section 4.3; the rest is colour."""
 _SATURATED = 65535
 _WHITE_PERCENTILE = 99.0
-"""Of the pixels that are measured and not saturated; these few become white with them."""
+"""Of the measured, unsaturated pixels: this percentile becomes white."""
 _EVERY = 8
-"""One pixel in so many, each way, decides what is white: 5,760 are plenty."""
+"""Step between the pixels that decide what is white: 5,760 are plenty."""
 SHRINK = 2
-"""Colour is decoded and sampled at half its size, which is as fine as depth is."""
+"""Colour is decoded and sampled at half its size, which is as fine as depth."""
 _EXACT_AT_MM = (350.0, 800.0)
-"""Where `ColourWarp` is exact; a little inside of the depths that it serves, 300 to 1000 mm."""
+"""Depths where `ColourWarp` is exact; it is used from 300 to 1000 mm."""
 _GRID_PX = 8
-"""The projections are exact on such a grid and linear between: 64 times less to do at a start."""
+"""The projections are exact on this grid and linear between: 64 times less work at the start."""
 
 
 class ColourWarp:
-    """Where each pixel of the depth camera lies in the half-size colour picture, by its depth.
+    """Where each depth pixel is in the half-size colour image, by its depth.
 
     A pixel at depth z is the point z * ray, and the colour camera sees it in the direction
-    R ray + t / z: always the same but for a short step in 1 / z. So its place there is taken as
-    A + B / z, with A and B from two exact projections: from 300 to 1000 mm less than half a
-    colour pixel off (a test says so), for one multiplication and one addition a pixel.
+    R ray + t / z: the same direction but for a short step in 1 / z. So its place there is
+    approximated as A + B / z, with A and B from two exact projections: less than half a colour
+    pixel off from 300 to 1000 mm (tested), for one multiplication and one addition a pixel.
     """
 
     def __init__(self, camera: Camera, background_mm: Map) -> None:
-        """`background_mm`: (H, W), the depth to take where a frame has none; mm, above 0."""
+        """`background_mm`: (H, W), the depth to use where a frame has none; mm, above 0."""
         self._shape = (camera.depth.height, camera.depth.width)
         if background_mm.shape != self._shape:
             raise ValueError(f"a background of {background_mm.shape} does not fit the camera")
@@ -50,7 +50,7 @@ class ColourWarp:
         self._line = None if camera.colour is None else self._exact_line(camera)
 
     def places(self, depth: Depth) -> Map | None:
-        """Give (2, H, W) float32: x and y in the half-size colour picture, px.
+        """Return (2, H, W) float32: x and y in the half-size colour image, px.
 
         None: this camera has no colour.
         """
@@ -75,7 +75,7 @@ class ColourWarp:
         return self._as_map(at_infinity), self._as_map(per_inverse_mm)
 
     def _as_map(self, px: Points) -> Map:
-        """Fill the pixels between the grid's: a lens bends little over so few of them."""
+        """Fill the pixels between the grid's: over so few, a lens is nearly linear."""
         height, width = self._shape
         rows, columns = _grid(height), _grid(width)
         coarse = px.T.reshape(2, len(rows), len(columns))
@@ -97,7 +97,7 @@ def _between(grid: Points, length: int) -> Points:
 def blend(
     ir: Infrared, colour: NDArray[np.uint8] | bytes | None, warp: ColourWarp, depth: Depth
 ) -> Picture:
-    """Give (H, W, 3) uint8 RGB for the hand tracker.
+    """Return (H, W, 3) uint8 RGB for the hand tracker.
 
     Without colour, or with a JPEG that cannot be decoded, it shows the infrared alone.
     """
@@ -107,13 +107,13 @@ def blend(
     if small is None or places is None:
         return np.asarray(grey, dtype=np.uint8)
     x, y = places
-    # Past the colour camera's view its edge goes on: black there would look like an edge.
+    # Outside the colour camera's view its border is repeated: black would look like an edge.
     seen = cv2.remap(small, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(cv2.addWeighted(grey, IR_SHARE, seen, 1 - IR_SHARE, 0), dtype=np.uint8)
 
 
 def toned(ir: Infrared) -> Picture:
-    """(H, W) uint8: the root of the infrared, whose light falls off with the distance squared."""
+    """Return (H, W) uint8: the root of the infrared, as light falls with the distance squared."""
     sample = ir[::_EVERY, ::_EVERY]
     measured = sample[(sample > 0) & (sample < _SATURATED)]
     white = float(np.percentile(measured, _WHITE_PERCENTILE)) if measured.size else _SATURATED
@@ -123,7 +123,7 @@ def toned(ir: Infrared) -> Picture:
 
 
 def _in_colour(camera: Camera, points: Points) -> Points:
-    """(N, 3) mm in the depth camera's frame to (N, 2) pixels of the half-size colour picture."""
+    """(N, 3) mm in the depth camera's frame to (N, 2) pixels of the half-size colour image."""
     assert camera.colour is not None
     pose = camera.colour_from_depth
     px = camera.colour.project(points @ pose[:3, :3].T + pose[:3, 3])

@@ -1,8 +1,8 @@
-"""Finding hands: MediaPipe's Hand Landmarker on one picture after the other.
+"""Find hands: MediaPipe's Hand Landmarker on one image after the other.
 
-Rule: everything that knows MediaPipe's interface lives here. It follows a hand from one picture
-to the next, so the pictures given to one tracker are one film; the same film gives the same
-hands. Importing this takes a second: do it only where hands are looked for.
+Rule: only this module knows MediaPipe's interface. It follows a hand from one image to the next,
+so one tracker gets one video; the same video gives the same hands. The import takes a second: do
+it only where hands are needed.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from halo_service.hand_tracking.blend import Picture
 from halo_service.hand_tracking.quiet import without_known_noise
 from halo_service.values import Hand, Pixels, Side, Tracked
 
-# A right hand seen from above, palm down, is called "Right": no mirror as in a webcam's picture.
+# A right hand seen from above, palm down, is called "Right": no mirror as in a webcam's image.
 _SIDES = {"Left": Side.LEFT, "Right": Side.RIGHT}
 _US_PER_MS = 1000
 
 
 class HandTracker:
-    """Hands in one film of pictures. Used from one thread at a time."""
+    """Hands in one video. Used from one thread at a time."""
 
     def __init__(self, model_path: Path, max_hands: int = 2) -> None:
-        """Load the model (0.2 s); raises UserError for a file that is no Hand Landmarker.
+        """Load the model (0.2 s); raises UserError if the file is not a Hand Landmarker.
 
         `max_hands`: 1 or more, ValueError otherwise.
         """
@@ -50,13 +50,13 @@ class HandTracker:
                     f"the hand model {model_path} cannot be loaded ({_first_line(error)}); "
                     "correct `tracking.model`, or leave the key out"
                 ) from error
-            # The first picture costs more and says more than all others: get it over with.
+            # The first image is slow and prints warnings: do it here.
             self.find(np.zeros((64, 64, 3), np.uint8), 0)
 
     def find(self, picture: Picture, time_us: int) -> Tracked:
-        """Find the hands in `picture`, (H, W, 3) uint8 RGB, and give them in its pixels."""
-        # MediaPipe wants time to rise by 1 ms at least; where ours does not (a jump back), it
-        # gets the next millisecond, for it uses time to tell pictures apart, and for no more.
+        """Find the hands in `picture`, (H, W, 3) uint8 RGB; landmarks are in its pixels."""
+        # MediaPipe needs times that rise by at least 1 ms; where ours do not (a jump back), it
+        # gets the next millisecond: it uses time only to distinguish images.
         self._stamp_ms = max(self._stamp_ms + 1, time_us // _US_PER_MS)
         image = Image(image_format=ImageFormat.SRGB, data=np.ascontiguousarray(picture))
         found = self._landmarker.detect_for_video(image, self._stamp_ms)
@@ -72,16 +72,16 @@ class HandTracker:
         return Tracked(time_us, tuple(hands))
 
     def close(self) -> None:
-        """Let the model go."""
+        """Free the model."""
         self._landmarker.close()
 
 
 def to_pixels(landmarks: list[NormalizedLandmark], width: int, height: int) -> Pixels:
-    """(21, 2): MediaPipe's 0 and 1 are the picture's outer edges, our pixels count centres."""
+    """(21, 2): MediaPipe's 0 and 1 are the image's outer edges, our pixels count centres."""
     relative = np.array([(mark.x, mark.y) for mark in landmarks], dtype=np.float64)
     return relative * (width, height) - 0.5
 
 
 def _first_line(error: Exception) -> str:
-    """What MediaPipe says, without the source lines that it puts after it."""
+    """MediaPipe's message, without the source lines after it."""
     return str(error).strip().partition("\n")[0]

@@ -1,12 +1,11 @@
-"""The hand model: made once, on first need, kept in the user's cache folder.
+"""The hand model: built once, when it is first needed, and cached in the user's cache folder.
 
-MediaPipe's package of today carries no model. The two networks of the Hand Landmarker lie in
+The current MediaPipe package contains no model. The two networks of the Hand Landmarker are in
 an older package of the same project (Apache-2.0 licence); a bundle is the uncompressed zip of
-both. The package is fetched by the user's own installer, from wherever that is set up to
-fetch from, and taken only if the networks' hashes are the ones we tested with.
+both. The user's own installer downloads the package from its configured index, and the networks
+are used only if their hashes are the ones we tested with.
 
-Run as `python -m halo_service.hand_tracking.model`, it fetches the model ahead of need and prints
-its path.
+`python -m halo_service.hand_tracking.model` downloads the model in advance and prints its path.
 """
 
 from __future__ import annotations
@@ -41,18 +40,19 @@ _NETWORKS = {
 }
 """Name in the bundle: path in the package, sha256."""
 _BUNDLE_SHA256 = "76839f622b2923ac8ee857300422283621490de0122425c2313ab8f040a7d100"
-"""Of the whole bundle, whose bytes depend on the networks alone."""
+"""Of the whole bundle; its bytes depend on the networks alone."""
 _BUNDLE = "hand_landmarker-0.10.21.task"
 _OR_ELSE = (
     "connect to the network and try again, or run `python -m halo_service.hand_tracking.model` on "
-    "another machine, copy the file it names, and set `tracking.model` in halo.toml to its path"
+    "another machine, copy the file that it prints, and set `tracking.model` in halo.toml to "
+    "its path"
 )
 
-# The networks are the same in every build of the package: ask for the one that surely exists,
-# so that it works on machines and Pythons for which there is none.
+# The networks are the same in every build of the package: request the one that surely exists,
+# so that it works on machines and Pythons without a build of their own.
 _UV = (
     *("--python-platform", "x86_64-unknown-linux-gnu", "--python-version", "3.11"),
-    *("--link-mode", "copy"),  # no warning where uv's cache lies on another disk
+    *("--link-mode", "copy"),  # no warning if uv's cache is on another disk
 )
 _PIP = (
     *("--platform", "manylinux_2_28_x86_64", "--python-version", "3.11"),
@@ -61,15 +61,15 @@ _PIP = (
 
 
 def model_path() -> Path:
-    """Return where our own bundle is kept, whether it is there yet or not."""
+    """Return the path of our own bundle in the cache; the file may not exist yet."""
     return user_cache_path("halo-service", appauthor=False) / _BUNDLE
 
 
 def hand_model(configured: Path | None) -> Path:
-    """Give the path of a Hand Landmarker bundle: `configured`, or ours, fetched if need be.
+    """Return the path of a Hand Landmarker bundle: `configured`, or ours, downloaded if needed.
 
-    Raises UserError where the configured file is none, or ours can be neither found nor made.
-    Several processes may call it at the same time.
+    Raises UserError if the configured file is not a bundle, or ours can be neither found nor
+    built. Several processes may call it at the same time.
     """
     if configured is not None:
         return _checked(configured)
@@ -77,13 +77,13 @@ def hand_model(configured: Path | None) -> Path:
     if not _is_ours(path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            # In the same folder, because only there is putting it in place one step.
+            # In the same folder, because only there the final move is atomic.
             with tempfile.TemporaryDirectory(dir=path.parent, prefix=".model-") as scratch:
                 _make(path, Path(scratch))
         except OSError as error:
             raise UserError(
-                f"the hand model cannot be kept in {path.parent} ({error}); make room there or "
-                "make it writable, or set `tracking.model` in halo.toml to a model's path"
+                f"the hand model cannot be written to {path.parent} ({error}); free some space "
+                "or make it writable, or set `tracking.model` in halo.toml to a model's path"
             ) from error
     return path
 
@@ -91,13 +91,13 @@ def hand_model(configured: Path | None) -> Path:
 def _checked(configured: Path) -> Path:
     if not configured.is_file():
         raise UserError(
-            f"tracking.model: {configured} does not exist; correct the path, or leave the key "
-            "out to have the model fetched"
+            f"tracking.model: {configured} does not exist; correct the path, or remove the key "
+            "to have the model downloaded"
         )
     if not zipfile.is_zipfile(configured):
         raise UserError(
-            f"tracking.model: {configured} is no Hand Landmarker bundle (.task); name another, "
-            "or leave the key out to have the model fetched"
+            f"tracking.model: {configured} is not a Hand Landmarker bundle (.task); set another "
+            "path, or remove the key to have the model downloaded"
         )
     return configured
 
@@ -107,7 +107,7 @@ def _is_ours(path: Path) -> bool:
 
 
 def _make(path: Path, scratch: Path) -> None:
-    sys.stderr.write("Fetching the hand model (once, 35 MB) ...\n")
+    sys.stderr.write("Downloading the hand model (once, 35 MB) ...\n")
     sys.stderr.flush()
     target = scratch / "package"
     _install(target)
@@ -126,15 +126,15 @@ def _install(target: Path) -> None:
         )
     except OSError as error:
         raise UserError(
-            f"the hand model could not be fetched ({command[0]}: {error.strerror}); {_OR_ELSE}"
+            f"the hand model could not be downloaded ({command[0]}: {error.strerror}); {_OR_ELSE}"
         ) from error
     log.debug("hand model: %s\n%s", " ".join(command), done.stdout)
     if done.returncode != 0:
-        raise UserError(f"the hand model could not be fetched; {_OR_ELSE}")
+        raise UserError(f"the hand model could not be downloaded; {_OR_ELSE}")
 
 
 def _installer() -> list[str]:
-    """The command that fetches a package: uv, however it can be called, else pip."""
+    """The command that downloads a package: uv, however it can be called, else pip."""
     # `uv run` leaves its own path in UV.
     uv = os.environ.get("UV") or shutil.which("uv")
     if uv is not None or importlib.util.find_spec("uv") is not None:
@@ -143,7 +143,7 @@ def _installer() -> list[str]:
     if importlib.util.find_spec("pip") is not None:
         return [sys.executable, "-m", "pip", "install", "--no-deps", *_PIP]
     raise UserError(
-        "the hand model has to be fetched once, and neither uv nor pip is there to do it; "
+        "the hand model must be downloaded once, but neither uv nor pip is installed; "
         f"`python3 -m pip install uv`, or {_OR_ELSE}"
     )
 
@@ -152,8 +152,8 @@ def _network(path: Path, sha256: str) -> bytes:
     content = path.read_bytes() if path.is_file() else b""
     if hashlib.sha256(content).hexdigest() != sha256:
         raise UserError(
-            f"the hand model that was fetched is not the one we know ({path.name} differs), so "
-            f"it is not used; {_OR_ELSE}"
+            f"the downloaded hand model is not the tested one ({path.name} differs), so it is "
+            f"not used; {_OR_ELSE}"
         )
     return content
 
@@ -167,7 +167,7 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 
 def main() -> int:
-    """Fetch the model if it is not there, and print its path."""
+    """Download the model if it is not cached, and print its path."""
     try:
         sys.stdout.write(f"{hand_model(None)}\n")
     except UserError as error:

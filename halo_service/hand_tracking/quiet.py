@@ -1,7 +1,7 @@
-"""What MediaPipe's libraries say on stderr while they start, less what means nothing.
+"""Filter what MediaPipe's libraries print on stderr while they start.
 
-Rule: only lines known to be harmless are dropped; all others come out, a moment late. The
-libraries are C++ and write to the file descriptor, past Python and past their own switches.
+Rule: only lines known to be harmless are dropped; all others are printed a moment later. The
+libraries are C++ and write to the file descriptor, past Python and past their own settings.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _KNOWN_NOISE = (
 
 @contextmanager
 def without_known_noise() -> Iterator[None]:
-    """Hold stderr back inside, then let out what is not known to be noise."""
+    """Hold stderr back inside the block, then print what is not known to be noise."""
     sys.stderr.flush()
     terminal = os.dup(_STDERR)
     with tempfile.TemporaryFile() as held:

@@ -1,4 +1,4 @@
-"""The loop that brings frames to the sensing and touches to the outputs.
+"""The loop that brings frames to the sensing and touch frames to the outputs.
 
-Rule: the runtime is handed its parts. Threads hand over to each other by one thing, `Latest`.
+Rule: the runtime receives its parts from the app. Threads exchange values through `Latest` alone.
 """

@@ -1,4 +1,4 @@
-"""How the service fares, counted frame by frame. Time comes in by the door."""
+"""The state of the service, counted frame by frame. Time is an argument."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from typing import Literal, NamedTuple
 from halo_service.runtime.tracker_thread import TrackerState
 
 WINDOW = 128
-"""Frames remembered: more than a second of the fastest."""
+"""Frames remembered: more than a second at the highest frame rate."""
 RECENT_S = 1.0
-"""Health is told of the last second (protocol 1)."""
+"""Health covers the last second (protocol 1)."""
 
 CameraState = Literal["starting", "running", "lost", "ended"]
 
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """One moment's health."""
+    """The state at one moment."""
 
     fps: float
     latency_ms: float
-    """Median from capture received to packet sent; -1 where not known."""
+    """Median from capture received to packet sent; -1 if unknown."""
     drops: int
     bad_frames: int
     tracker: TrackerState
     camera: CameraState
     tracker_ms: float
-    """Median age of the hands that frames were sensed with; -1 where not known."""
+    """Median age of the hands that frames were sensed with; -1 if unknown."""
 
 
-class Pulse:
-    """Keeps count over one session."""
+class HealthCounter:
+    """Counts over one session."""
 
     def __init__(self) -> None:
         self.drops = 0
@@ -46,8 +46,8 @@ class Pulse:
         age_ms = None if hands_age_us is None else hands_age_us / 1000.0
         self._sent.append(_Sent(sent_s, 1000.0 * (sent_s - received_s), age_ms))
 
-    def vitals(self, now_s: float, tracker: TrackerState) -> Health:
-        """Sum up the last second."""
+    def health(self, now_s: float, tracker: TrackerState) -> Health:
+        """Summarise the last second."""
         recent = [sent for sent in self._sent if now_s - sent.time_s <= RECENT_S]
         span_s = recent[-1].time_s - recent[0].time_s if len(recent) > 1 else 0.0
         return Health(

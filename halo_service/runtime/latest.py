@@ -1,4 +1,4 @@
-"""The one hand-off between threads: the newest value, and how many older ones it replaced."""
+"""The only hand-off between threads: the newest value, and how many older ones it replaced."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class Latest(Generic[T]):
         self._value: T | None = None
         self._fresh = False
         self.dropped = 0
-        """Values that nobody took before a newer one came."""
+        """Values that were replaced before they were taken."""
 
     def put(self, value: T) -> None:
-        """Offer a value; replaces one that nobody has taken."""
+        """Offer a value; it replaces one that was not taken yet."""
         with self._changed:
             self.dropped += self._fresh
             self._value, self._fresh = value, True
@@ -31,7 +31,7 @@ class Latest(Generic[T]):
             self._value, self._fresh = None, False
 
     def take(self, timeout_s: float) -> T | None:
-        """Wait for a value that was not taken before; None when none comes in time."""
+        """Wait for a value that was not taken before; None if none comes in time."""
         with self._changed:
             if not self._changed.wait_for(lambda: self._fresh, timeout_s):
                 return None

@@ -1,8 +1,8 @@
 """The live loop: a capture comes in, its packet leaves, nothing in between waits.
 
-It owns the service's clock. Whatever a camera does, clients hear at least once a second. An
-unexpected error costs the frame in which it happens: it is logged and counted, all pointers are
-released, and the next frame is sensed.
+It owns the service's clock. Clients receive a frame at least once a second, whatever the camera
+does. An unexpected error costs the frame in which it happens: it is logged and counted, all
+pointers are released, and the next frame is sensed.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from halo_service.errors import UserError
-from halo_service.runtime.checks import judge
+from halo_service.runtime.checks import check_capture
 from halo_service.runtime.error_log import ErrorLog
-from halo_service.runtime.health import Health, Pulse
+from halo_service.runtime.health import Health, HealthCounter
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
 from halo_service.sensing import State
@@ -26,49 +26,49 @@ from halo_service.values import BadFrame, Frame, TouchFrame
 log = logging.getLogger(__name__)
 
 READ_S = 0.25
-"""Longest wait for a capture, so that the loop can beat, stop and reconnect."""
+"""Longest wait for a capture, so that the loop can report, stop and reconnect."""
 KEEP_ALIVE_S = 0.6
 """Silence after which an empty frame is sent; with `READ_S` that makes 1 Hz or more."""
 SCENE_S, HEALTH_S = 0.4, 0.9
-"""How often scene and health are told; with `READ_S` that makes 2 Hz and 1 Hz nearly or more."""
+"""How often scene and health are sent; with `READ_S` that makes 2 Hz and 1 Hz nearly or more."""
 SILENCE_S = 5.0
-"""A camera that gave nothing for so long is as good as unplugged."""
+"""A camera without a capture for so long counts as unplugged."""
 RECONNECT_S = 0.4
 """Pause between two tries to open a camera that was lost."""
 FRAME_S = 0.0105
 """Least time between two frames: the frame counter of a restarted service starts at Unix time in
-steps of 10 ms, and must be ahead of what was sent before, however fast a recording is played."""
+steps of 10 ms, and must be ahead of what was sent before, however fast a recording runs."""
 BEHIND_US = 100_000
-"""What is told in a silence is dated this much back, so that the next capture is never earlier."""
+"""Empty frames in a silence are dated back by this, so that the next capture is never earlier."""
 
 
 class Publisher(Protocol):
-    """Tells clients; the app makes it out of the outputs."""
+    """Sends to clients; the app builds it from the outputs."""
 
-    def frame(self, told: TouchFrame) -> None:
+    def frame(self, touch_frame: TouchFrame) -> None:
         """Send one frame."""
 
     def scene(self, state: State) -> None:
-        """Send what late joiners must know."""
+        """Send what a client that joins late needs."""
 
-    def health(self, vitals: Health) -> None:
-        """Send how the service fares."""
-
-
-Obey = Callable[[State, Source | None], State]
-"""Takes what clients have ordered since the last frame, and returns the state that it leaves."""
+    def health(self, health: Health) -> None:
+        """Send the state of the service."""
 
 
-def _hear_nothing(state: State, source: Source | None) -> State:
+Control = Callable[[State, Source | None], State]
+"""Handles the requests that clients sent since the last frame; returns the new state."""
+
+
+def _no_requests(state: State, source: Source | None) -> State:
     return state
 
 
-def _watch_nothing(frame: Frame) -> None:
-    """Nobody but the sensing looks at frames."""
+def _no_watcher(frame: Frame) -> None:
+    """The default for `watch`."""
 
 
 class LiveLoop:
-    """Runs until it is stopped or its recording ends; closes the source that it was given."""
+    """Runs until it is stopped or its recording ends; then closes its source."""
 
     def __init__(
         self,
@@ -77,79 +77,79 @@ class LiveLoop:
         tracker: TrackerThread | None,
         state: State,
         publisher: Publisher,
-        obey: Obey = _hear_nothing,
-        watch: Callable[[Frame], None] = _watch_nothing,
+        control: Control = _no_requests,
+        watch: Callable[[Frame], None] = _no_watcher,
         method: Method[State] = OURS,
     ) -> None:
-        """`reopen` opens the same source again after it was lost; `tracker`: None where nobody
-        needs hands; `obey` takes clients' orders; `watch` is shown each good frame after its
-        packet has left; `method` senses each frame."""
+        """`reopen` opens the same source again after it was lost; `tracker`: None if no hands are
+        needed; `control` handles clients' requests; `watch` gets each frame after its packet has
+        left; `method` senses each frame."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
         self._state = state
         self._publisher = publisher
-        self._obey = obey
+        self._control = control
         self._watch = watch
         self._method = method
         self._errors = ErrorLog()
         self._stopped = threading.Event()
-        self._pulse = Pulse()
+        self._counter = HealthCounter()
         self._last_us: int | None = None
         self._bad_in_a_row = 0
-        self._heard_s = time.monotonic()
+        self._received_s = time.monotonic()
         self._sent_s = self._scene_s = self._health_s = float("-inf")
 
     def stop(self) -> None:
-        """Let `run` end soon; from any thread or signal handler."""
+        """End `run` soon; from any thread or signal handler."""
         self._stopped.set()
 
     def run(self) -> None:
-        """Sense and publish until stopped. Raises `UserError` when it cannot go on."""
+        """Sense and publish until stopped. Raises `UserError` if it cannot continue."""
         try:
             while not self._stopped.is_set():
                 with self._errors.guard("status"):
-                    self._beat()
+                    self._report()
                 if self._tracker is not None and self._tracker.failure is not None:
                     raise self._tracker.failure
                 with self._errors.guard("control"):
-                    self._state = self._obey(self._state, self._source)
-                self._turn()
+                    self._state = self._control(self._state, self._source)
+                self._read_one()
         except EndOfSource:
-            self._pulse.camera = "ended"
+            self._counter.camera = "ended"
         finally:
             self._release(self._silent_us())
             with self._errors.guard("status"):
-                self._publisher.health(self._vitals())
+                self._publisher.health(self._health())
             if self._source is not None:
                 self._source.close()
 
-    def _turn(self) -> None:
-        """One capture, or one wait for it."""
+    def _read_one(self) -> None:
+        """Process one capture, or one wait for it."""
         if self._source is None:
             self._reconnect()
             return
         try:
             capture = self._read(self._source)
-            if capture is None and time.monotonic() - self._heard_s > SILENCE_S:
-                raise SourceLost(f"camera: nothing came for {SILENCE_S:.0f} s; opening it anew")
+            if capture is None and time.monotonic() - self._received_s > SILENCE_S:
+                raise SourceLost(f"camera: no capture for {SILENCE_S:.0f} s; opening it again")
         except SourceLost as error:
             log.warning("%s", error)
             self._lose(self._source)
             return
         if capture is not None:
-            self._take(capture, self._source.camera.fps)
+            self._process(capture, self._source.camera.fps)
         elif time.monotonic() - self._sent_s > KEEP_ALIVE_S:
             self._release(self._silent_us())
 
-    def _take(self, capture: Frame | BadFrame, fps: float) -> None:
-        received_s = self._heard_s = time.monotonic()
-        judged = judge(capture, self._last_us, fps)
+    def _process(self, capture: Frame | BadFrame, fps: float) -> None:
+        received_s = self._received_s = time.monotonic()
+        check = check_capture(capture, self._last_us, fps)
         self._last_us = capture.time_us
-        self._pulse.camera = "running"
-        self._pulse.drops += judged.missed
-        if isinstance(capture, BadFrame) or judged.fault is not None:
-            self._skip(judged.fault or "bad", capture.time_us)
+        self._counter.camera = "running"
+        self._counter.drops += check.missed
+        if isinstance(capture, BadFrame) or check.fault is not None:
+            self._skip(check.fault or "bad", capture.time_us)
             return
         tracked = None if self._tracker is None else self._tracker.newest
         try:
@@ -160,7 +160,7 @@ class LiveLoop:
         else:
             self._good_again()
             age_us = capture.time_us - tracked.time_us if tracked else None
-            self._pulse.sent(received_s, self._sent_s, age_us)
+            self._counter.sent(received_s, self._sent_s, age_us)
         if self._tracker is not None:
             self._tracker.offer(capture)  # it needs a core too; by now no packet waits for one
         with self._errors.guard("profile"):
@@ -178,7 +178,7 @@ class LiveLoop:
 
     def _skip(self, fault: str, time_us: int) -> None:
         """Count a frame that could not be sensed, and release all pointers."""
-        self._pulse.bad_frames += 1
+        self._counter.bad_frames += 1
         if self._bad_in_a_row == 0:  # not each bad one: a broken camera must not fill a disk
             log.warning("frame: %s; all pointers are released", fault)
         self._bad_in_a_row += 1
@@ -195,43 +195,43 @@ class LiveLoop:
             touch_frame, self._state = self._method.clear(self._state, time_us)
             self._publish(touch_frame)
 
-    def _publish(self, told: TouchFrame) -> None:
+    def _publish(self, touch_frame: TouchFrame) -> None:
         self._stopped.wait(self._sent_s + FRAME_S - time.monotonic())
         try:
-            self._publisher.frame(told)
+            self._publisher.frame(touch_frame)
         finally:  # an output that always fails must not let the loop spin
             self._sent_s = time.monotonic()
 
     def _silent_us(self) -> int:
-        """Return the source's time while it says nothing: its last, and most of what has passed."""
+        """Return the source's time while it is silent: its last, plus most of the time since."""
         if self._last_us is None:
             return time.time_ns() // 1000
-        passed_us = round((time.monotonic() - self._heard_s) * 1e6)
+        passed_us = round((time.monotonic() - self._received_s) * 1e6)
         return self._last_us + max(passed_us - BEHIND_US, 0)
 
-    def _beat(self) -> None:
+    def _report(self) -> None:
         now_s = time.monotonic()
         if now_s - self._scene_s >= SCENE_S:
             self._scene_s = now_s
             self._publisher.scene(self._state)
         if now_s - self._health_s >= HEALTH_S:
             self._health_s = now_s
-            self._publisher.health(self._vitals())
+            self._publisher.health(self._health())
 
-    def _vitals(self) -> Health:
-        seeing = self._tracker is not None and self._pulse.camera == "running"
+    def _health(self) -> Health:
+        running = self._tracker is not None and self._counter.camera == "running"
         idle: TrackerState = "off" if self._tracker is None else "searching"
-        state = self._tracker.state if self._tracker is not None and seeing else idle
-        return self._pulse.vitals(time.monotonic(), state)
+        state = self._tracker.state if self._tracker is not None and running else idle
+        return self._counter.health(time.monotonic(), state)
 
     def _lose(self, source: Source) -> None:
-        self._pulse.camera = "lost"
+        self._counter.camera = "lost"
         self._source = None
         with self._errors.guard("source"):
             source.close()
         self._release(self._silent_us())
         with self._errors.guard("status"):
-            self._publisher.health(self._vitals())
+            self._publisher.health(self._health())
 
     def _reconnect(self) -> None:
         self._release(self._silent_us())
@@ -245,6 +245,6 @@ class LiveLoop:
             self._errors.report("source", error)
             return
         self._last_us = None
-        self._heard_s = time.monotonic()
+        self._received_s = time.monotonic()
         self._release(time.time_ns() // 1000)
         log.warning("camera: found again")

@@ -1,6 +1,6 @@
-"""A method: one way of making touches of frames. Ours is one; the bench runs rivals beside it.
+"""A method: one way to turn frames into touches. Ours is one; the evaluation runs others too.
 
-Rule: a method is pure, as the sensing is: what it knows of earlier frames is in its state.
+Rule: a method is pure, as the sensing is: all that it remembers of earlier frames is in its state.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from halo_service.sensing import SensingSettings
 from halo_service.values import Frame, TouchFrame, Tracked
 
 State = TypeVar("State")
-"""Whatever a method remembers; nobody else looks inside."""
+"""What a method remembers; no other code looks inside."""
 
 Seen = Iterable[tuple[Frame, Tracked]]
-"""Frames, each with what the hand tracker saw in that very frame."""
+"""Frames, each with the hands that the tracker found in the same frame."""
 Script = Sequence[Mapping[str, Any]]
 """Which calibration step happens when, as `halo calibrate --script` reads it."""
 
@@ -31,13 +31,13 @@ class Method(Generic[State]):
     start: Callable[[Profile | None, SensingSettings], State]
     """The state before the first frame."""
     step: Callable[[State, Frame, Tracked | None], tuple[TouchFrame, State]]
-    """One frame, with the newest that the hand tracker has."""
+    """Sense one frame, with the newest hands that the tracker has."""
     clear: Callable[[State, int], tuple[TouchFrame, State]]
-    """Let all pointers go, at a time in microseconds: a frame that cannot be sensed."""
+    """Release all pointers, at a time in microseconds: for a frame that cannot be sensed."""
     learn: Callable[[Profile, SensingSettings, Seen, Script], Profile] | None = None
-    """Calibrate anew with this method's own signal: the profile as `halo calibrate` made it, and
-    the whole take that it was made of; raises `UserError` where this signal cannot be calibrated.
-    None: the method reads the profile as it is."""
+    """Calibrate with this method's own signal: from the profile that `halo calibrate` wrote and
+    the whole recording behind it; raises `UserError` if this signal cannot be calibrated.
+    None: the method uses the profile as it is."""
 
 
 OURS = Method("ours", sensing.start, sensing.step, sensing.clear)

@@ -1,7 +1,7 @@
-"""The hand tracker, beside the frames: it looks at the newest one and never delays any.
+"""The hand tracker in a thread of its own: it looks at the newest frame and never delays one.
 
-A frame that comes while it is busy replaces the one that waits; the sensing takes whatever
-hands it saw last and carries them forward.
+A frame that comes while it is busy replaces the one that waits. The sensing uses the hands that
+it found last and moves them to the present frame.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from halo_service.runtime.latest import Latest
 from halo_service.values import Frame, Tracked
 
 WAKE_S = 0.2
-"""How often the thread looks whether it shall end."""
+"""How often the thread checks whether to end."""
 AGAIN_S = 1.0
-"""Pause before a tracker that failed is made anew."""
+"""Pause before a tracker that failed is loaded again."""
 
 TrackerState = Literal["off", "starting", "searching", "tracking", "failed"]
 
@@ -32,40 +32,40 @@ class Tracker(Protocol):
         """Find the hands in one frame."""
 
     def close(self) -> None:
-        """Let the model go."""
+        """Free the model."""
 
 
 class TrackerThread:
     """Runs a tracker in a thread of its own."""
 
     def __init__(self, make: Callable[[], Tracker]) -> None:
-        """`make` is called in the thread: loading the model takes seconds, and frames flow on."""
+        """`make` is called in the thread: loading takes seconds, and frames must not wait."""
         self._make = make
         self._frames: Latest[Frame] = Latest()
         self._tracked: Latest[Tracked] = Latest()
         self._ended = threading.Event()
         self.state: TrackerState = "starting"
         self.failure: UserError | None = None
-        """Set when the tracker cannot be had at all; the service ends with this sentence."""
+        """Set if the tracker cannot be loaded at all; the service ends with this sentence."""
         self._thread = threading.Thread(target=self._run, name="hand tracker", daemon=True)
         self._thread.start()
 
     @property
     def newest(self) -> Tracked | None:
-        """What the tracker last saw."""
+        """The hands that the tracker found last."""
         return self._tracked.peek()
 
     def offer(self, frame: Frame) -> None:
-        """Hand over a frame; it looks at it when it is free, unless a newer one comes first."""
+        """Offer a frame; the tracker looks at it when free, unless a newer one comes first."""
         self._frames.put(frame)
 
     def close(self) -> None:
-        """End the thread after the frame it is at."""
+        """End the thread after its current frame."""
         self._ended.set()
         self._thread.join()
 
     def _run(self) -> None:
-        _stand_back()
+        _yield_the_core()
         errors = ErrorLog()
         worked = False
         while not self._ended.is_set():
@@ -97,12 +97,12 @@ class TrackerThread:
             self.state = "tracking" if tracked.hands else "searching"
 
 
-def _stand_back() -> None:
-    """Let this thread, and those that it starts, never push another one off a core.
+def _yield_the_core() -> None:
+    """Keep this thread, and those that it starts, from pushing another one off a core.
 
-    Linux alone knows how: a batch thread gets its full share, but when it wakes it waits until a
-    core is free. The model's own threads wake many times a picture, and with two hands the
-    frames' thread lost its core to them, for a third of the time that a frame took.
+    Only Linux can: a batch thread gets its full share, but when it wakes it waits until a core is
+    free. The model's own threads wake many times an image. With two hands they took the core
+    from the frames' thread, for a third of a frame's processing time.
     """
     batch = getattr(os, "SCHED_BATCH", None)
     if batch is None:

@@ -1,7 +1,7 @@
 """Where frames come from: a live Kinect, a recording, the virtual sensor.
 
-Rule: a source owns its device and its clock, and nothing else. It hands over what was
-captured, as it was captured; what it cannot hand over it names (`BadFrame`).
+Rule: a source owns its device and its clock, and nothing else. It returns each capture as it was
+captured, or a `BadFrame` with the reason.
 """
 
 from __future__ import annotations
@@ -16,36 +16,36 @@ __all__ = ["EndOfSource", "Exposing", "Source", "SourceLost"]
 
 
 class EndOfSource(Exception):  # noqa: N818 - an end, no error
-    """A recording has ended: a normal end, and the last thing `read` says."""
+    """A recording has ended: a normal end, and the last result of `read`."""
 
 
 class Source(Protocol):
-    """A depth camera, or something that stands in for one. Used from one thread at a time."""
+    """A depth camera or a substitute. Used from one thread at a time."""
 
     @property
     def kind(self) -> SourceKind:
-        """What stands behind the frames."""
+        """Where the frames come from."""
 
     @property
     def camera(self) -> Camera:
-        """The lenses of the mode that the frames come in; the same as long as it is open."""
+        """The lenses of the current mode; they do not change while the source is open."""
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
         """Wait at most `timeout_s` for the next capture; None: nothing came in that time.
 
-        Raises SourceLost, EndOfSource, or UserError where the rest cannot be read.
+        Raises SourceLost, EndOfSource, or UserError if the rest cannot be read.
         """
 
     def close(self) -> None:
-        """Let the device go. May be called twice."""
+        """Close the device. May be called twice."""
 
 
 @runtime_checkable
 class Exposing(Protocol):
-    """A source whose colour camera can be told how long to expose."""
+    """A source with a colour camera that has a settable exposure."""
 
     def expose(self, exposure_ms: float | None) -> None:
-        """Expose for so long from the next frames on; None: as the camera thinks best.
+        """Set the exposure from the next frames on; None: automatic.
 
         Raises SourceLost.
         """

@@ -1,12 +1,12 @@
-"""A live Azure Kinect, by its SDK's Python wrapper pyk4a.
+"""A live Azure Kinect, through pyk4a, the Python wrapper of its SDK.
 
-Rule: only here is pyk4a imported, and only when a camera is asked for; there are machines
-without it. Depth NFOV unbinned with its infrared, colour 720p as the camera's own JPEG, 30 fps,
-only captures that have both.
+Rule: pyk4a is imported only here, and only when a camera is opened; many machines lack it. Depth
+NFOV unbinned with its infrared, colour 720p as the camera's own JPEG, 30 fps, only captures that
+have both.
 
-Without a camera at hand this is tried as far as it goes: no camera, the calibration, and a
-capture of the SDK's playback turned into a frame. Not tried: a camera in use by another program,
-one that is unplugged while it runs, and the true delay between exposure and timestamp.
+Tested without a camera: no camera connected, the calibration, and a capture of the SDK's playback
+turned into a frame. Not tested: a camera that another program uses, one that is unplugged while
+it runs, and the true delay between exposure and timestamp.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from halo_service.values import BadFrame, Frame, SourceKind
 
 _FPS = 30
 _MOST_DELAY_US = 1_000_000
-"""Between a frame's arrival and our asking for it; more is a clock that is not ours."""
+"""Longest time between a frame's arrival and its read; more means another clock."""
 _OR_ELSE = "or choose another source: --source recording:FILE or --source sim"
 
 
 def connected() -> int:
-    """Count the Azure Kinects that are plugged in; 0 also where there is no SDK for them."""
+    """Count the connected Azure Kinects; 0 also without the SDK."""
     try:
         return int(_sdk().connected_device_count())
     except UserError:
@@ -40,12 +40,12 @@ def connected() -> int:
 
 
 class AzureKinect:
-    """A `Source`: the first Azure Kinect that is plugged in."""
+    """A `Source`: the first connected Azure Kinect."""
 
     kind: SourceKind = "camera"
 
     def __init__(self) -> None:
-        """Start the cameras; raises UserError where there is none, or it cannot be had."""
+        """Start the cameras; raises UserError if there is none or it cannot be started."""
         self._sdk = _sdk()
         if self._sdk.connected_device_count() == 0:
             raise UserError(f"no Azure Kinect is plugged in: plug one in, {_OR_ELSE}.")
@@ -64,7 +64,7 @@ class AzureKinect:
         self._open = True
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
-        """Wait for the next capture; raises SourceLost when the camera is gone."""
+        """Wait for the next capture; raises SourceLost if the camera is gone."""
         try:
             capture = self._device.get_capture(timeout=round(timeout_s * 1000))
         except self._sdk.K4ATimeoutException:
@@ -77,7 +77,7 @@ class AzureKinect:
         return outcome(capture, self._clock)
 
     def expose(self, exposure_ms: float | None) -> None:
-        """Fix the colour camera's exposure; the device takes the next time that it knows."""
+        """Set the colour camera's exposure; the device uses the nearest time that it supports."""
         try:
             if exposure_ms is None:
                 self._device.exposure_mode_auto = True
@@ -97,7 +97,7 @@ class AzureKinect:
         try:
             self._device.stop()
         except self._sdk.K4AException:
-            # An unplugged camera cannot be stopped, and need not be.
+            # An unplugged camera cannot be stopped and does not need it.
             self._device.is_running = False
 
     def _started(self) -> Any:
@@ -109,8 +109,8 @@ class AzureKinect:
             camera_fps=sdk.FPS.FPS_30,
             synchronized_images_only=True,
         )
-        # What pyk4a calls thread-safe is to keep Python's lock while it waits for a frame,
-        # and with it every other thread. One thread uses the camera, so it may let go.
+        # "Thread-safe" in pyk4a holds Python's lock while it waits for a frame, which blocks
+        # every other thread. Only one thread uses the camera, so the lock is not needed.
         device = sdk.PyK4A(config, thread_safe=False)
         try:
             device.start()
@@ -149,7 +149,7 @@ def _unix_us() -> int:
 
 
 def _sdk() -> ModuleType:
-    # The SDK's own messages go to stdout, where our output belongs; it reads this once.
+    # The SDK prints its messages on stdout, among our output; it reads this variable once.
     os.environ.setdefault("K4A_ENABLE_LOG_TO_STDOUT", "0")
     try:
         import pyk4a

@@ -1,6 +1,6 @@
-"""A Matroska file before anybody reads it: is it one, and is it all there?
+"""Check a Matroska file before it is read: is it one, and is it complete?
 
-Rule: nothing here knows what is recorded. EBML (RFC 8794) is what Matroska is written in: an
+Rule: nothing here depends on the recorded content. Matroska is written in EBML (RFC 8794): an
 element is an identity, a size and a content, and the element Segment holds everything.
 """
 
@@ -16,7 +16,7 @@ _SEGMENT = b"\x18\x53\x80\x67"
 
 
 def open_matroska(path: Path) -> BinaryIO:
-    """Open `path`; raises UserError where there is no file, or one of another kind."""
+    """Open `path`; raises UserError if there is no file or it is not Matroska."""
     try:
         file = path.open("rb")
     except FileNotFoundError as error:
@@ -24,7 +24,9 @@ def open_matroska(path: Path) -> BinaryIO:
     except IsADirectoryError as error:
         raise UserError(f"{path} is a folder; name the recording inside it.") from error
     except OSError as error:
-        raise UserError(f"{path} cannot be opened ({error.strerror}); check its rights.") from error
+        raise UserError(
+            f"{path} cannot be opened ({error.strerror}); check its permissions."
+        ) from error
     if file.read(len(_EBML)) == _EBML:
         return file
     file.close()
@@ -34,7 +36,7 @@ def open_matroska(path: Path) -> BinaryIO:
 
 
 def declared_size(file: BinaryIO) -> int | None:
-    """How long the file says it is; None where it was never closed, or is cut off before that.
+    """Return the size in the file's own header; None if it was never closed or is cut off earlier.
 
     FFmpeg reads a truncated Matroska file to its last whole packet and then reports a normal
     end. The Segment (EBML, RFC 8794) is the element that holds everything, with its size.

@@ -1,9 +1,9 @@
 """One pass through a Matroska file in the layout of the Azure Kinect SDK.
 
-Rule: everything that knows PyAV's reading side, or the SDK's names for tracks and tags,
-lives here. Tracks are titled COLOR, DEPTH and IR, tags are called K4A_*, `calibration.json`
-is attached; depth and IR are raw `gray16be` as the SDK writes them, or any lossless codec
-of 16-bit grey (ours: FFV1). Foreign or broken files leave by one door: `UserError`.
+Rule: only this module knows how PyAV reads, and the SDK's names for tracks and tags. Tracks are
+titled COLOR, DEPTH and IR, tags are called K4A_*, `calibration.json` is attached; depth and IR are
+raw `gray16be` as the SDK writes them, or any lossless codec of 16-bit grey (ours: FFV1). Foreign or
+broken files raise one error: `UserError`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from halo_service.values import BadFrame, Frame
 _Packet: TypeAlias = "Packet[VideoStream]"
 _BYTE_ORDERS = {"gray16be": ">u2", "gray16le": "<u2"}
 _USUAL_FPS = 30
-"""For a file that does not say its rate: the Kinect's usual one."""
+"""For a file that does not state its rate: the Kinect's usual one."""
 _US_PER_S = 1_000_000
 
 
@@ -41,7 +41,7 @@ class KinectFile:
     camera: Camera
 
     def __init__(self, path: Path) -> None:
-        """Open and check; raises UserError for a file that is no recording of depth and IR."""
+        """Open and check; raises UserError if the file is not a recording of depth and IR."""
         self._path = path
         self._file = open_matroska(path)
         try:
@@ -55,9 +55,9 @@ class KinectFile:
             raise
 
     def captures(self) -> Iterator[Capture[_Packet]]:
-        """Yield the captures in the order of time. To be asked once.
+        """Yield the captures in the order of time. To be called once.
 
-        It also ends where the file breaks off or turns into rubbish; `whole` tells.
+        It also ends where the file is cut off or damaged; then `whole` is false.
         """
         delay_ns = self._container.metadata.get("K4A_DEPTH_DELAY_NS", "0")
         pairing: Pairing[_Packet] = Pairing(
@@ -88,7 +88,7 @@ class KinectFile:
 
     @property
     def whole(self) -> bool:
-        """Whether the file is all there: as long as it says, and it says so when it is closed."""
+        """Whether the file is complete: closed by its writer, and as long as it states."""
         return self._readable and self._complete
 
     def close(self) -> None:
@@ -97,9 +97,9 @@ class KinectFile:
         self._file.close()
 
     def _checked_size(self) -> bool:
-        """Whether the file is as long as it says; False where it was never closed and says nothing.
+        """Whether the file is as long as it states; False if it was never closed.
 
-        Raises UserError where it is shorter: better at once than after the frames that are left.
+        Raises UserError if it is shorter: better now than after the frames that are left.
         """
         declared, size = declared_size(self._file), self._path.stat().st_size
         if declared is not None and size < declared:
@@ -166,7 +166,7 @@ class KinectFile:
         return camera
 
     def _tag(self, track: Track, name: str) -> str:
-        """A tag of the track, or, where a tool has moved it there, of the file."""
+        """Return a tag of the track, or of the file if a tool moved it there."""
         tags = self._tracks[track].metadata
         return tags.get(name) or self._container.metadata.get(name, "")
 
@@ -193,7 +193,7 @@ class KinectFile:
                 if packet.pts is not None and packet.size > 0:
                     yield packet
         except FFmpegError:
-            # Unreadable from here on; what that means the caller decides, by `whole`.
+            # Unreadable from here on; the caller decides by `whole` what that means.
             self._readable = False
 
     def _grey(self, track: Track, packet: _Packet) -> NDArray[np.uint16] | None:
@@ -222,13 +222,13 @@ class KinectFile:
         try:
             frames = stream.decode(packet)
         except FFmpegError:
-            # The hand tracker goes on with the IR alone, as it does where colour is missing.
+            # The hand tracker continues with IR alone, as it does without colour.
             return None
         return frames[0].to_ndarray(format="bgr24").astype(np.uint8, copy=False) if frames else None
 
 
 def no_frames(path: Path) -> UserError:
-    """What to say of a recording in which there is nothing to see."""
+    """Return the error for a recording without a readable frame."""
     return UserError(
         f"{path} holds no readable frame with depth and IR: it is truncated, damaged or was "
         "recorded without; copy or record it again."

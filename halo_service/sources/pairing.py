@@ -1,7 +1,7 @@
 """Which packets of a recording belong to one capture.
 
-Rule: pure, and bounded. Packets come in roughly by time, each track on its own; a capture
-is what lies within half a frame period of its depth packet, whose time is the capture's.
+Rule: pure, and bounded. Packets come in roughly by time, each track on its own. A capture is all
+within half a frame period of its depth packet, and has the time of that packet.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ Track = Literal["DEPTH", "IR", "COLOR"]
 T = TypeVar("T")
 
 # The SDK and every muxer sort packets by time, so a partner comes within a packet or two;
-# four periods forgive an unsorted file and still say soon that a packet is missing.
+# four periods tolerate an unsorted file and still detect a missing packet soon.
 LOOK_AHEAD_PERIODS = 4
 LOOK_AHEAD_PACKETS = 32
-"""And whatever the timestamps say, no more than this waits in memory (raw depth: 0.7 MB each)."""
+"""At most this many wait in memory, whatever the timestamps are (raw depth: 0.7 MB each)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class _Waiting(Generic[T]):
     time_us: int
     """As stamped."""
     moment_us: int
-    """On the depth camera's schedule: for colour, without the delay it was asked to have."""
+    """On the depth camera's schedule: for colour, without its configured delay."""
     packet: T
 
 
@@ -56,7 +56,7 @@ class Pairing(Generic[T]):
         self._waiting: list[_Waiting[T]] = []
 
     def push(self, track: Track, time_us: int, packet: T) -> Iterator[Capture[T]]:
-        """Take the next packet; yield the captures to which nothing more can come."""
+        """Add the next packet; yield the captures that are complete."""
         delay_us = self._depth_delay_us if track == "COLOR" else 0.0
         self._waiting.append(_Waiting(track, time_us, round(time_us + delay_us), packet))
         while self._waiting:
@@ -66,7 +66,7 @@ class Pairing(Generic[T]):
             yield self._take(group)
 
     def flush(self) -> Iterator[Capture[T]]:
-        """Yield what still waits, whole or not: the recording has ended."""
+        """Yield what still waits, complete or not: the recording has ended."""
         while self._waiting:
             yield self._take(self._group(min(self._waiting, key=lambda w: w.moment_us)))
 
@@ -96,7 +96,7 @@ class Pairing(Generic[T]):
         self._waiting = [w for w in self._waiting if w is not group.get(w.track)]
         depth, ir, colour = group.get("DEPTH"), group.get("IR"), group.get("COLOR")
         ruler = depth or ir or colour
-        assert ruler is not None, "a group holds at least the packet it was made for"
+        assert ruler is not None, "a group holds at least its first packet"
         return Capture(
             ruler.time_us,
             depth.packet if depth else None,

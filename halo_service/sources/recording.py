@@ -1,13 +1,12 @@
-"""A recording, played like a camera: no SDK needed.
+"""A recording as a source, like a camera: no SDK needed.
 
-Rule: this file decides when a frame is due and what time it carries; how a file is read is
-`matroska`'s matter.
+Rule: this module decides when a frame is due and its time; `matroska` reads the file.
 
-Time. As fast as it goes (`realtime=False`): the depth packets' own timestamps, no offset
+Time. As fast as possible (`realtime=False`): the depth packets' own timestamps, no offset
 removed or added, so that the same file gives the same numbers. At its own pace (`realtime`):
-the first frame is due when it is first asked for, and frames carry the Unix time at which
-they are due, like a camera's. In a loop the next round goes on one frame period after the
-last, so time rises for ever either way.
+the first frame is due at the first read, and frames carry the Unix time at which
+they are due, like a camera's. In a loop the next round starts one frame period after the last
+frame, so time always rises.
 """
 
 from __future__ import annotations
@@ -26,9 +25,9 @@ from halo_service.values import BadFrame, Frame, SourceKind
 
 _US_PER_S = 1_000_000
 _OPENING_CAPTURES = 300
-"""The first good frame has to be within these, 10 s: a camera may start with colour alone."""
+"""The first good frame must be within these, 10 s: a camera may start with colour alone."""
 _HOPELESSLY_LATE_US = 1_000_000
-"""Who was asleep for longer goes on from now, like a camera, instead of racing to catch up."""
+"""After a longer pause it continues from now, like a camera, and does not catch up."""
 
 
 class Recording:
@@ -37,7 +36,7 @@ class Recording:
     kind: SourceKind = "recording"
 
     def __init__(self, path: Path, *, realtime: bool, loop: bool) -> None:
-        """Open, check, and read on to the first good frame; raises UserError with the remedy."""
+        """Open, check, and read to the first good frame; raises UserError with the remedy."""
         self._path = path
         self._loop = loop
         self._pace = _Pace() if realtime else None
@@ -48,7 +47,7 @@ class Recording:
         """Read and decoded, but not yet due."""
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
-        """Give the next capture once it is due; raises UserError where the file breaks off."""
+        """Return the next capture when it is due; raises UserError where the file is cut off."""
         if self._ahead is None:
             self._ahead = next(self._outcomes, None)
         if self._ahead is None:
@@ -63,7 +62,7 @@ class Recording:
         return capture
 
     def close(self) -> None:
-        """Let the file go. May be called twice."""
+        """Close the file. May be called twice."""
         self._file.close()
 
     def _from_first_frame(self) -> Iterator[Frame | BadFrame]:
@@ -80,7 +79,7 @@ class Recording:
             raise
 
     def _rounds(self) -> Iterator[Frame | BadFrame]:
-        """Yield every capture, round after round, on the file's time carried on."""
+        """Yield every capture, round after round, with times that continue the file's."""
         shift_us = 0
         while True:
             times: list[int] = []
@@ -102,16 +101,16 @@ class Recording:
             raise no_frames(self._path)
         if not self._file.whole:
             raise UserError(
-                f"{self._path} breaks off after {frames} frames: it is truncated or damaged; "
+                f"{self._path} is cut off after {frames} frames: it is truncated or damaged; "
                 "copy or record it again."
             )
 
 
 class _Pace:
-    """When a frame of the file is due, in Unix time; what comes first is due at once."""
+    """When a frame of the file is due, in Unix time; the first is due at once."""
 
     def __init__(self) -> None:
-        # A host clock that is set while we play must neither stall nor rush the recording.
+        # A change of the host clock must neither stall nor rush the recording.
         self._unix_minus_monotonic_us = _microseconds(time.time_ns() - time.monotonic_ns())
         self._unix_minus_file_us: int | None = None
 

@@ -29,7 +29,7 @@ def entry(location, numbers, rotation, translation):
 
 
 def small() -> dict:
-    """A device of round numbers: the least that a calibration has to hold."""
+    """A device with round numbers: the minimum that a calibration must hold."""
     level = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
     return {
         "CalibrationInformation": {
@@ -105,7 +105,7 @@ def test_a_real_device_has_the_lenses_that_the_sdk_gives_it(mode, colour):
 def test_the_sdk_reads_our_file_as_it_reads_the_device_s_own():
     camera = read(REAL.read_bytes())
     ours = json.loads(k4a.to_json(camera))
-    # The SDK insists on the motion sensors, which we do not know and do not make up.
+    # The SDK requires the motion sensors; we do not know them and invent none.
     device = json.loads(REAL.read_text())["CalibrationInformation"]
     ours["CalibrationInformation"]["InertialSensors"] = device["InertialSensors"]
     assert_as_the_sdk(camera, json.dumps(ours), "NFOV_UNBINNED", "720P")
@@ -129,7 +129,7 @@ def assert_as_the_sdk(camera: k4a.Camera, raw: str, mode: str, colour: str) -> N
 
 
 def broken(*path: str | int, value: object = None) -> dict:
-    """The small calibration with one thing taken out or replaced."""
+    """The small calibration with one thing removed or replaced."""
     content = small()
     parent: dict = content["CalibrationInformation"]
     for key in path[:-1]:
@@ -161,15 +161,15 @@ BAD = {
     ),
     "a word among numbers": (
         broken("Cameras", 0, "Intrinsics", "ModelParameters", value=["x"] * 14),
-        "no number",
+        "is not a number",
     ),
     "not finite": (
         broken("Cameras", 0, "Intrinsics", "ModelParameters", value=[float("nan")] * 14),
-        "out of all range",
+        "out of range",
     ),
     "huge": (
         broken("Cameras", 0, "Intrinsics", "ModelParameters", value=[10**400] * 14),
-        "out of all range",
+        "out of range",
     ),
     "no focal length": (
         broken("Cameras", 0, "Intrinsics", "ModelParameters", value=[0.0] * 14),
@@ -182,9 +182,9 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize(("content", "says"), BAD.values(), ids=BAD)
-def test_a_bad_file_is_refused_with_what_is_wrong(content, says):
-    with pytest.raises(k4a.CalibrationError, match=says):
+@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD)
+def test_a_bad_file_is_refused_with_what_is_wrong(content, message):
+    with pytest.raises(k4a.CalibrationError, match=message):
         read(content)
 
 
@@ -195,14 +195,14 @@ def test_every_truncation_is_refused():
             read(whole[:length])
 
 
-def test_the_sdk_s_trailing_nul_is_forgiven():
+def test_the_sdk_s_trailing_nul_is_accepted():
     assert_same(read(json.dumps(small()).encode() + b"\0"), read(small()))
 
 
 @pytest.mark.parametrize(
-    ("mode", "colour", "says"),
+    ("mode", "colour", "message"),
     [("PASSIVE_IR", "720P", "depth mode 'PASSIVE_IR'"), ("NFOV_UNBINNED", "8K", "resolution '8K'")],
 )
-def test_an_unknown_mode_is_refused_with_the_known_ones(mode, colour, says):
-    with pytest.raises(k4a.CalibrationError, match=f"{says}; known: "):
+def test_an_unknown_mode_is_refused_with_the_choices(mode, colour, message):
+    with pytest.raises(k4a.CalibrationError, match=f"{message}; choose from: "):
         read(small(), mode, colour)

@@ -1,4 +1,4 @@
-"""Places on a surface and pixels of both lenses are one and the same thing."""
+"""Places on a surface map to pixels of both lenses and back."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def tilted(pitch_deg, yaw_deg, distance_mm=600.0) -> Surface:
 
 @pytest.mark.parametrize("lens", LENSES)
 @pytest.mark.parametrize(("pitch_deg", "yaw_deg"), [(0, 0), (15, 0), (-30, 20)])
-def test_a_pixel_looks_at_the_place_that_it_shows(lens, pitch_deg, yaw_deg):
+def test_a_pixel_sees_the_place_that_projects_to_it(lens, pitch_deg, yaw_deg):
     surface = tilted(pitch_deg, yaw_deg)
     places = np.array([[0.0, 0.0], [300.0, 200.0], [150.0, 100.0], [-40.0, 230.0]])
     px = surface.in_picture(places, *LENSES[lens])
@@ -43,16 +43,16 @@ def test_a_pixel_above_the_horizon_sees_no_place():
     assert np.isnan(nowhere).all() != np.isnan(somewhere).all()
 
 
-def test_a_surface_laid_anew_lies_on_the_same_plane():
+def test_a_moved_surface_is_on_the_same_plane():
     surface = tilted(12.0, 7.0)
     turn = np.radians(30.0)
     shift = np.array(
         [[np.cos(turn), -np.sin(turn), 40.0], [np.sin(turn), np.cos(turn), -25.0], [0, 0, 1.0]]
     )
-    laid = surface.laid(shift, 500.0, 250.0)
-    assert (laid.name, laid.width_mm, laid.height_mm) == ("table", 500.0, 250.0)
+    other = surface.moved(shift, 500.0, 250.0)
+    assert (other.name, other.width_mm, other.height_mm) == ("table", 500.0, 250.0)
     here = np.array([[100.0, 50.0, 0.0], [0.0, 0.0, 0.0], [30.0, 10.0, -20.0]])
-    there = surface.from_camera(laid.to_camera(here))
+    there = surface.from_camera(other.to_camera(here))
     np.testing.assert_allclose(there[:, 2], here[:, 2], atol=1e-9)
     np.testing.assert_allclose(there[1, :2], [40.0, -25.0], atol=1e-9)
     np.testing.assert_allclose(there[0, :2], (shift @ (100.0, 50.0, 1.0))[:2], atol=1e-9)

@@ -1,4 +1,4 @@
-"""The picture for the hand tracker: colour where it belongs, infrared at any brightness."""
+"""The image for the hand tracker: colour where it belongs, infrared at any brightness."""
 
 from pathlib import Path
 
@@ -72,7 +72,7 @@ def test_the_short_way_to_colour_is_less_than_half_a_pixel_off(camera):
     assert worst < 0.5
 
 
-def test_a_pixel_without_depth_is_taken_to_lie_in_the_background():
+def test_a_pixel_without_depth_counts_as_background():
     warp = warp_of(MADE_UP, 620.0)
     depth = np.full((576, 640), 620, np.uint16)
     holes = depth.copy()
@@ -114,7 +114,7 @@ NO_COLOUR = {"none": None, "no bytes": b"", "a broken JPEG": b"\xff\xd8\xff\xe0 
 
 
 @pytest.mark.parametrize("colour", NO_COLOUR.values(), ids=NO_COLOUR)
-def test_without_colour_the_infrared_stands_alone(colour):
+def test_without_colour_the_infrared_is_shown_alone(colour):
     ir = np.arange(576 * 640, dtype=np.uint32).reshape(576, 640).astype(np.uint16)
     picture = blend(ir, colour, warp_of(MADE_UP), np.full((576, 640), 500, np.uint16))
     for channel in range(3):

@@ -71,7 +71,7 @@ def test_a_left_hand_is_called_left(tracker):
         assert hand.side is Side.LEFT
 
 
-def test_the_same_film_gives_the_same_hands(right_hand):
+def test_the_same_video_gives_the_same_hands(right_hand):
     runs = []
     for _ in range(2):
         tracker = HandTracker(hand_model(None))
@@ -137,7 +137,7 @@ NO_MODELS = {
 
 
 @pytest.mark.parametrize("write", NO_MODELS.values(), ids=NO_MODELS)
-def test_a_file_that_is_no_model_is_refused_in_one_line(tmp_path, write):
+def test_a_file_that_is_not_a_model_is_refused_in_one_line(tmp_path, write):
     path = tmp_path / "own.task"
     write(path)
     with pytest.raises(UserError, match=r"own\.task cannot be loaded") as caught:
@@ -145,12 +145,12 @@ def test_a_file_that_is_no_model_is_refused_in_one_line(tmp_path, write):
     assert "\n" not in str(caught.value)
 
 
-def test_a_number_of_hands_is_not_blamed_on_the_model():
+def test_a_bad_number_of_hands_is_not_reported_as_a_bad_model():
     with pytest.raises(ValueError, match="max_hands must be 1 or more, not 0"):
         HandTracker(hand_model(None), max_hands=0)
 
 
-def test_starting_says_nothing_on_the_terminal():
+def test_starting_prints_nothing_on_the_terminal():
     script = (
         "from halo_service.hand_tracking.hands import HandTracker\n"
         "from halo_service.hand_tracking.model import hand_model\n"
@@ -162,7 +162,7 @@ def test_starting_says_nothing_on_the_terminal():
     assert (done.stdout, done.stderr) == ("", "")
 
 
-def test_what_is_not_known_to_be_noise_is_let_out_even_if_it_ends_badly(capfd):
+def test_what_is_not_known_noise_is_printed_even_after_an_error(capfd):
     with pytest.raises(RuntimeError, match="it broke"), without_known_noise():
         os.write(2, b"INFO: Created TensorFlow Lite XNNPACK delegate for CPU.\nit burns\n")
         raise RuntimeError("it broke")

@@ -1,4 +1,4 @@
-"""The hand model: fetched once, checked, never half there. Needs the network the first time."""
+"""The hand model: downloaded once, checked, never half there. Needs the network the first time."""
 
 import os
 import stat
@@ -21,14 +21,14 @@ def environment(cache: Path, **more: str) -> dict[str, str]:
 
 
 def installer(folder: Path, script: str) -> str:
-    """A program that stands where uv is looked for, and does what `script` says."""
+    """A program in the place of uv that runs `script`."""
     path = folder / "installer"
     path.write_text(f"#!{sys.executable}\nimport sys\nfrom pathlib import Path\n{script}")
     path.chmod(path.stat().st_mode | stat.S_IXUSR)
     return str(path)
 
 
-def test_the_model_is_there_and_is_the_one_we_know():
+def test_the_model_is_there_and_is_the_tested_one():
     path = model.hand_model(None)
     with zipfile.ZipFile(path) as bundle:
         assert bundle.testzip() is None
@@ -36,7 +36,7 @@ def test_the_model_is_there_and_is_the_one_we_know():
         assert bundle.namelist() == ["hand_detector.tflite", "hand_landmarks_detector.tflite"]
 
 
-def test_the_second_time_nothing_is_fetched(monkeypatch):
+def test_the_second_time_nothing_is_downloaded(monkeypatch):
     path = model.hand_model(None)
     before = path.stat()
     monkeypatch.setenv("UV", "/nowhere/uv")
@@ -64,26 +64,26 @@ def test_processes_that_start_together_all_get_the_whole_model(tmp_path):
     # The bytes depend on nothing but the networks; nothing else is left behind.
     assert path.read_bytes() == model.hand_model(None).read_bytes()
     assert [p.name for p in path.parent.iterdir()] == [path.name]
-    assert "Fetching the hand model (once, 35 MB) ..." in said[0][1] + said[1][1]
+    assert "Downloading the hand model (once, 35 MB) ..." in said[0][1] + said[1][1]
 
 
 BAD_FETCHES = {
-    "offline": ("sys.exit('no route to host')", "could not be fetched"),
+    "offline": ("sys.exit('no route to host')", "could not be downloaded"),
     "something else": (
         "folder = Path(sys.argv[sys.argv.index('--target') + 1]) / 'mediapipe/modules'\n"
         "for name in ('palm_detection/palm_detection', 'hand_landmark/hand_landmark'):\n"
         "    path = folder / f'{name}_full.tflite'\n"
         "    path.parent.mkdir(parents=True)\n"
         "    path.write_bytes(b'not the network')\n",
-        "is not the one we know",
+        "is not the tested one",
     ),
-    "an empty package": ("", "is not the one we know"),
+    "an empty package": ("", "is not the tested one"),
 }
 
 
 @posix
-@pytest.mark.parametrize(("script", "says"), BAD_FETCHES.values(), ids=BAD_FETCHES)
-def test_a_fetch_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script, says):
+@pytest.mark.parametrize(("script", "message"), BAD_FETCHES.values(), ids=BAD_FETCHES)
+def test_a_download_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script, message):
     cache = tmp_path / "cache"
     done = subprocess.run(
         COMMAND,
@@ -94,7 +94,7 @@ def test_a_fetch_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script,
     )
     assert (done.returncode, done.stdout) == (2, "")
     last = done.stderr.splitlines()[-1]
-    assert says in last
+    assert message in last
     assert "set `tracking.model` in halo.toml" in last
     assert "--target" not in done.stderr
     assert "no route to host" not in done.stderr
@@ -103,17 +103,17 @@ def test_a_fetch_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, script,
 
 
 @posix
-def test_the_installers_own_words_are_kept_for_who_wants_more(tmp_path, monkeypatch, caplog):
+def test_the_installers_own_output_is_in_the_debug_log(tmp_path, monkeypatch, caplog):
     monkeypatch.setenv("UV", installer(tmp_path, "sys.exit('no route to host')"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     with caplog.at_level("DEBUG", logger="halo_service"), pytest.raises(UserError) as caught:
         model.hand_model(None)
     assert "no route to host" in caplog.text
-    assert str(caught.value).startswith("the hand model could not be fetched; connect to")
+    assert str(caught.value).startswith("the hand model could not be downloaded; connect to")
 
 
 @posix
-def test_a_damaged_model_is_fetched_anew(tmp_path):
+def test_a_damaged_model_is_downloaded_again(tmp_path):
     path = Path(subprocess.check_output(COMMAND, env=environment(tmp_path), text=True).strip())
     whole = path.read_bytes()
     path.write_bytes(whole[:-1])
@@ -122,7 +122,7 @@ def test_a_damaged_model_is_fetched_anew(tmp_path):
 
 
 @posix
-def test_an_unwritable_cache_is_said(tmp_path):
+def test_an_unwritable_cache_is_an_error_with_a_remedy(tmp_path):
     (tmp_path / "halo-service").write_text("a file where the folder should be")
     done = subprocess.run(
         COMMAND, env=environment(tmp_path), capture_output=True, text=True, check=False
@@ -138,10 +138,12 @@ def test_a_configured_model_replaces_ours(tmp_path):
     assert model.hand_model(own) == own
 
 
-@pytest.mark.parametrize(("content", "says"), [(None, "does not exist"), (b"x", "no Hand Land")])
-def test_a_configured_model_that_is_none_is_refused(tmp_path, content, says):
+@pytest.mark.parametrize(
+    ("content", "message"), [(None, "does not exist"), (b"x", "not a Hand Land")]
+)
+def test_a_configured_file_that_is_not_a_model_is_refused(tmp_path, content, message):
     own = tmp_path / "own.task"
     if content is not None:
         own.write_bytes(content)
-    with pytest.raises(UserError, match=says):
+    with pytest.raises(UserError, match=message):
         model.hand_model(own)

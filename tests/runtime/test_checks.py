@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halo_service.runtime.checks import judge
+from halo_service.runtime.checks import check_capture
 from halo_service.values import BadFrame, Frame
 
 FRAME_US = 33_333
@@ -29,13 +29,13 @@ def frame(time_us: int, depth_mm: int = 500) -> Frame:
         (BadFrame(FRAME_US, "no depth came"), 0, "no depth came", 0),
     ],
 )
-def test_a_capture_is_judged(
+def test_a_capture_is_checked(
     capture: Frame | BadFrame, last_us: int | None, fault: str | None, missed: int
 ) -> None:
-    judged = judge(capture, last_us, 30)
-    assert judged.missed == missed
+    check = check_capture(capture, last_us, 30)
+    assert check.missed == missed
     if fault is None:
-        assert judged.fault is None
+        assert check.fault is None
     else:
-        assert judged.fault is not None
-        assert judged.fault.startswith(fault)
+        assert check.fault is not None
+        assert check.fault.startswith(fault)

@@ -1,4 +1,4 @@
-"""The live loop, with a scripted camera: whatever it does, clients are told and nothing sticks."""
+"""The live loop with a scripted camera: clients always receive frames, and no pointer stays."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from halo_service.values import BadFrame, Frame, SourceKind, Touch, TouchFrame, 
 
 FRAME_US = 33_333
 LATE_S = 0.3
-"""What a busy machine may be late by."""
+"""The delay that a busy machine may add."""
 CAMERA = Camera("S", "NFOV_UNBINNED", 30, Lens(4, 4, 5, 5, 2, 2), None, np.eye(4))
 
 
 class Scripted:
-    """A source that does what its script says, one line a read; then it ends."""
+    """A source that follows its script, one line a read; then it ends."""
 
     kind: SourceKind = "camera"
     camera = CAMERA
@@ -52,25 +52,25 @@ class Scripted:
 
 
 class Listener:
-    """A publisher that keeps what it is told."""
+    """A publisher that keeps what it gets."""
 
     def __init__(self) -> None:
         self.sent: list[tuple[float, TouchFrame]] = []
         self.scenes = 0
-        self.vitals: list[Health] = []
+        self.healths: list[Health] = []
 
     @property
     def frames(self) -> list[TouchFrame]:
-        return [told for _, told in self.sent]
+        return [each for _, each in self.sent]
 
-    def frame(self, told: TouchFrame) -> None:
-        self.sent.append((time.monotonic(), told))
+    def frame(self, touch_frame: TouchFrame) -> None:
+        self.sent.append((time.monotonic(), touch_frame))
 
     def scene(self, state: State) -> None:
         self.scenes += 1
 
-    def health(self, vitals: Health) -> None:
-        self.vitals.append(vitals)
+    def health(self, health: Health) -> None:
+        self.healths.append(health)
 
 
 class Blind:
@@ -95,7 +95,7 @@ def run(
     state: State | None = None,
     method: Method[State] = OURS,
     listener: Listener | None = None,
-    obey: Callable[[State, Source | None], State] = lambda state, source: state,
+    control: Callable[[State, Source | None], State] = lambda state, source: state,
     watch: Callable[[Frame], None] = lambda frame: None,
 ) -> tuple[Listener, Scripted]:
     listener, source = listener or Listener(), Scripted(script)
@@ -105,7 +105,7 @@ def run(
     def never() -> Scripted:
         raise UserError("no camera")
 
-    loop = LiveLoop(source, reopen or never, tracker, state, listener, obey, watch, method)
+    loop = LiveLoop(source, reopen or never, tracker, state, listener, control, watch, method)
     guard = threading.Timer(30.0, loop.stop)  # a loop that never ends must fail, not hang
     guard.start()
     try:
@@ -117,12 +117,12 @@ def run(
     return listener, source
 
 
-def test_every_frame_is_told_and_the_end_is_an_empty_frame() -> None:
+def test_every_frame_is_sent_and_the_end_is_an_empty_frame() -> None:
     listener, source = run([frame(n) for n in range(5)])
-    assert [told.time_us for told in listener.frames[:5]] == [n * FRAME_US for n in range(5)]
+    assert [each.time_us for each in listener.frames[:5]] == [n * FRAME_US for n in range(5)]
     assert len(listener.frames) == 6
     assert listener.frames[-1].pointers == ()
-    assert listener.vitals[-1].camera == "ended"
+    assert listener.healths[-1].camera == "ended"
     assert listener.scenes >= 1
     assert source.closed
 
@@ -137,29 +137,29 @@ def test_every_frame_is_told_and_the_end_is_an_empty_frame() -> None:
     ],
     ids=["without depth", "all zero", "time back", "time ahead"],
 )
-def test_a_bad_frame_is_counted_and_told_as_an_empty_frame(
+def test_a_bad_frame_is_counted_and_sent_as_an_empty_frame(
     bad: Frame | BadFrame, counted: int
 ) -> None:
     after = frame(round(bad.time_us / FRAME_US) + 1)
     listener, _ = run([frame(0), bad, after])
     assert len(listener.frames) == 4
-    assert listener.vitals[-1].bad_frames == counted
+    assert listener.healths[-1].bad_frames == counted
 
 
 def test_missing_frames_are_counted() -> None:
     listener, _ = run([frame(0), frame(1), frame(4)])
-    assert listener.vitals[-1].drops == 2
+    assert listener.healths[-1].drops == 2
 
 
-def test_a_silent_camera_is_told_at_1_hz() -> None:
+def test_a_silent_camera_gives_frames_at_1_hz() -> None:
     listener, _ = run([frame(0), *[None] * 12, frame(92)])
     gaps_s = np.diff([sent_s for sent_s, _ in listener.sent])
     assert len(gaps_s) >= 5
     assert max(gaps_s) < 1.0 + LATE_S
-    assert all(told.pointers == () for told in listener.frames)
+    assert all(each.pointers == () for each in listener.frames)
 
 
-def test_an_unplugged_camera_is_waited_for() -> None:
+def test_an_unplugged_camera_is_opened_again() -> None:
     back = Scripted([frame(0), frame(1)])
     tries = 0
 
@@ -174,11 +174,11 @@ def test_an_unplugged_camera_is_waited_for() -> None:
     assert lost.closed
     assert back.closed
     assert tries == 2
-    assert any(vitals.camera == "lost" for vitals in listener.vitals)
-    assert listener.vitals[-1].camera == "ended"
+    assert any(health.camera == "lost" for health in listener.healths)
+    assert listener.healths[-1].camera == "ended"
 
 
-def test_a_tracker_that_cannot_be_had_ends_the_service_with_its_sentence() -> None:
+def test_a_tracker_that_cannot_be_loaded_ends_the_service_with_its_sentence() -> None:
     def make() -> Blind:
         raise UserError("the hand model cannot be fetched")
 
@@ -186,7 +186,7 @@ def test_a_tracker_that_cannot_be_had_ends_the_service_with_its_sentence() -> No
         run([frame(n) if n % 2 else None for n in range(100)], make=make)
 
 
-def test_a_tracker_that_fails_once_is_started_anew() -> None:
+def test_a_tracker_that_fails_once_is_started_again() -> None:
     class Shaky(Blind):
         made = 0
 
@@ -195,13 +195,13 @@ def test_a_tracker_that_fails_once_is_started_anew() -> None:
 
         def look(self, frame: Frame) -> Tracked:
             if Shaky.made == 1:
-                raise RuntimeError("a model of others")
+                raise RuntimeError("a broken model")
             return super().look(frame)
 
     script: list[Frame | None] = [frame(0), *[None] * 6, frame(46), None, None]
     listener, _ = run(script, make=Shaky)
     assert Shaky.made == 2
-    assert listener.vitals[-1].tracker == "searching"
+    assert listener.healths[-1].tracker == "searching"
 
 
 def touching(profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]) -> State:
@@ -209,8 +209,8 @@ def touching(profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tr
     state = start(profile, SensingSettings())
     for n, signal in enumerate([0.0, 0.0, 2200.0, 2200.0, 2200.0, 2200.0]):
         at_us = n * FRAME_US
-        told, state = step(state, draw(signal=signal, time_us=at_us), see(time_us=at_us))
-    assert [pointer.state for pointer in told.pointers] == [Touch.TOUCH]
+        shown, state = step(state, draw(signal=signal, time_us=at_us), see(time_us=at_us))
+    assert [pointer.state for pointer in shown.pointers] == [Touch.TOUCH]
     return state
 
 
@@ -227,7 +227,7 @@ def touching(profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tr
     ],
     ids=["without depth", "all zero", "time back", "time ahead", "unplugged", "silent", "ended"],
 )
-def test_whatever_happens_a_touching_finger_is_let_go_with_its_up(
+def test_whatever_happens_a_touch_is_released_with_its_up(
     bad: list[Frame | BadFrame | Exception | None],
     profile: Profile,
     draw: Callable[..., Frame],
@@ -237,25 +237,25 @@ def test_whatever_happens_a_touching_finger_is_let_go_with_its_up(
     rests = draw(signal=2200.0, time_us=6 * FRAME_US)
     listener, _ = run([rests, *bad], lambda: Scripted([]), state=state)
     assert [pointer.state for pointer in listener.frames[0].pointers] == [Touch.TOUCH]
-    after = [told for told in listener.frames if told.pointers == ()]
-    assert [event.kind for told in after for event in told.events] == ["up"]
+    after = [each for each in listener.frames if each.pointers == ()]
+    assert [event.kind for each in after for event in each.events] == ["up"]
     assert listener.frames[-1].pointers == ()
 
 
 def test_time_never_goes_back_over_bad_frames_and_silence() -> None:
     script = [frame(0), frame(1, depth_mm=0), frame(2), None, None, None, frame(27), frame(28)]
     listener, _ = run(script)
-    times = [told.time_us for told in listener.frames]
+    times = [each.time_us for each in listener.frames]
     assert times == sorted(times)
 
 
-def test_nobody_outruns_the_seed_of_the_frame_counter() -> None:
+def test_frames_never_outrun_the_seed_of_the_frame_counter() -> None:
     listener, _ = run([frame(n) for n in range(40)])
     sent_s = [at_s for at_s, _ in listener.sent]
     assert min(np.diff(sent_s)) > 0.0099
 
 
-def test_another_camera_in_its_place_or_none_is_waited_for_without_a_gap() -> None:
+def test_while_no_camera_comes_back_frames_are_sent_without_a_gap() -> None:
     tries = 0
 
     def reopen() -> Scripted:
@@ -270,9 +270,9 @@ def test_another_camera_in_its_place_or_none_is_waited_for_without_a_gap() -> No
     assert max(gaps_s) < 1.0 + LATE_S
 
 
-def test_without_a_tracker_health_says_so() -> None:
+def test_without_a_tracker_health_reports_it_off() -> None:
     listener, _ = run([frame(n) for n in range(5)], make=None)
-    assert listener.vitals[-1].tracker == "off"
+    assert listener.healths[-1].tracker == "off"
 
 
 def failing(*frames: int) -> Method[State]:
@@ -300,7 +300,7 @@ def test_an_error_in_a_frame_costs_that_frame_alone(
 ) -> None:
     listener, source = run([frame(n) for n in range(6)], method=failing(*at))
     assert [each.time_us for each in listener.frames[:-1]] == [n * FRAME_US for n in range(6)]
-    assert listener.vitals[-1].bad_frames == len(at)
+    assert listener.healths[-1].bad_frames == len(at)
     assert source.closed
     assert tracebacks(caplog) == [
         "sensing failed: IndexError: index 640 is out of bounds; this kind of error is logged once"
@@ -332,15 +332,15 @@ def test_frames_of_one_source_that_all_fail_do_not_harm_the_next_source() -> Non
     script = [*(frame(n) for n in range(3)), SourceLost("camera: it went away")]
     second = Scripted([frame(n) for n in range(10, 13)])
     listener, _ = run(script, lambda: second, method=failing(0, 1, 2))
-    assert listener.vitals[-1].bad_frames == 3
-    assert listener.vitals[-1].camera == "ended"
+    assert listener.healths[-1].bad_frames == 3
+    assert listener.healths[-1].camera == "ended"
     assert second.closed
 
 
 def test_a_source_with_an_unexpected_error_goes_on(caplog: pytest.LogCaptureFixture) -> None:
     script = [frame(0), ValueError("a broken packet"), ValueError("a broken packet"), frame(1)]
     listener, _ = run(script)
-    assert listener.vitals[-1].bad_frames == 2
+    assert listener.healths[-1].bad_frames == 2
     assert FRAME_US in [each.time_us for each in listener.frames]
     assert len(tracebacks(caplog)) == 1
 
@@ -352,7 +352,7 @@ def test_a_source_that_only_fails_is_opened_again(monkeypatch: pytest.MonkeyPatc
     assert first.closed
     assert first.script
     assert second.closed
-    assert listener.vitals[-1].camera == "ended"
+    assert listener.healths[-1].camera == "ended"
 
 
 @pytest.mark.parametrize("part", ["frame", "scene", "health", "control", "profile"])
@@ -369,7 +369,7 @@ def test_an_error_around_the_sensing_does_not_end_the_service(
     listener, source = run(
         script,
         listener=broken,
-        obey=fail if part == "control" else lambda state, source: state,
+        control=fail if part == "control" else lambda state, source: state,
         watch=fail if part == "profile" else lambda frame: None,
     )
     assert source.closed
@@ -398,8 +398,8 @@ def test_an_unexpected_error_of_a_tracker_is_logged_once_and_its_hands_are_forgo
     listener, _ = run(script, make=Worse)
     assert len(tracebacks(caplog)) == 1
     assert Worse.looks >= 3
-    assert listener.vitals[-1].bad_frames == 0
-    assert listener.vitals[-1].tracker_ms == -1.0
+    assert listener.healths[-1].bad_frames == 0
+    assert listener.healths[-1].tracker_ms == -1.0
 
 
 def test_a_model_that_goes_missing_later_does_not_end_the_service(

@@ -1,4 +1,4 @@
-"""The hand tracker's thread stands back for the frames'."""
+"""The hand tracker's thread gives way to the frames' thread."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from halo_service.values import Frame, Tracked
 FOUND_S = 10.0
 
 
-class Witness:
-    """A tracker that notes how its thread, and one that it started, are scheduled."""
+class Recorder:
+    """A tracker that records how its thread, and one that it started, are scheduled."""
 
     def __init__(self) -> None:
         self.policies = [os.sched_getscheduler(0)]
@@ -32,36 +32,36 @@ class Witness:
 
 
 @contextmanager
-def made() -> Iterator[Witness]:
-    """Give the tracker that was made in the thread beside."""
-    witnesses: list[Witness] = []
+def started() -> Iterator[Recorder]:
+    """Yield the tracker that was built in the tracker thread."""
+    recorders: list[Recorder] = []
     ready = threading.Event()
 
-    def make() -> Witness:
-        witnesses.append(Witness())
+    def make() -> Recorder:
+        recorders.append(Recorder())
         ready.set()
-        return witnesses[0]
+        return recorders[0]
 
     with closing(TrackerThread(make)):
         assert ready.wait(FOUND_S)
-        yield witnesses[0]
+        yield recorders[0]
 
 
 @pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="only Linux has batch threads")
 def test_the_tracker_and_what_it_starts_wait_for_a_free_core() -> None:
     ours = os.sched_getscheduler(0)
-    with made() as witness:
-        assert witness.policies == [os.SCHED_BATCH, os.SCHED_BATCH]
+    with started() as recorder:
+        assert recorder.policies == [os.SCHED_BATCH, os.SCHED_BATCH]
     assert os.sched_getscheduler(0) == ours != os.SCHED_BATCH
 
 
 @pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="only Linux has batch threads")
-def test_where_it_is_forbidden_hands_are_tracked_all_the_same(
+def test_hands_are_tracked_even_if_scheduling_is_forbidden(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def refuse(*_: object) -> None:
         raise PermissionError
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
-    with made() as witness:
-        assert witness.policies == [os.sched_getscheduler(0)] * 2
+    with started() as recorder:
+        assert recorder.policies == [os.sched_getscheduler(0)] * 2

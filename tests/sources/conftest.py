@@ -55,7 +55,7 @@ def small_recording(tmp_path_factory, small_camera, small_frames) -> Path:
 
 @pytest.fixture
 def foreign(tmp_path, small_camera):
-    """Write a Matroska file of three pictures a track; `missing`, `spoilt`: (track, ms) pairs."""
+    """Write a Matroska file of three images a track; `missing`, `spoilt`: (track, ms) pairs."""
 
     def write(
         tracks=("DEPTH", "IR"),
@@ -117,7 +117,7 @@ def rubbish_instead_of(packet: av.Packet) -> av.Packet:
 
 
 def name_as_the_sdk_does(path: Path) -> None:
-    """FFmpeg writes 16-bit pictures without a name; the SDK calls its big-endian grey b16g."""
+    """FFmpeg writes 16-bit images without a name; the SDK calls its big-endian grey b16g."""
     unnamed, named = (struct.pack("<HH4s", 1, 16, name) for name in (b"\0" * 4, b"b16g"))
     data = path.read_bytes()
     assert unnamed in data

@@ -1,4 +1,4 @@
-"""The live Kinect as far as it goes without one."""
+"""The live Kinect, as far as it can be tested without one."""
 
 import subprocess
 import sys
@@ -26,14 +26,14 @@ def without_a_camera():
         pytest.skip("there is an Azure Kinect plugged in")
 
 
-def test_asking_for_a_camera_that_is_not_there_is_one_sentence():
+def test_opening_a_camera_that_is_not_there_is_one_sentence():
     pyk4a()
     without_a_camera()
     with pytest.raises(UserError, match="no Azure Kinect is plugged in"):
         AzureKinect()
 
 
-def test_looking_for_a_camera_says_nothing():
+def test_looking_for_a_camera_prints_nothing():
     script = "from halo_service.sources.azure_kinect import connected; print(connected())"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
@@ -42,10 +42,10 @@ def test_looking_for_a_camera_says_nothing():
     assert done.stderr == ""
 
 
-def test_without_the_sdk_there_is_no_camera_and_a_sentence_says_why():
+def test_without_the_sdk_there_is_no_camera_and_the_error_gives_the_reason():
     script = (
         "import sys\n"
-        "sys.modules['pyk4a'] = None\n"  # Python's own way of saying: not to be imported
+        "sys.modules['pyk4a'] = None\n"  # makes the import fail
         "from halo_service.errors import UserError\n"
         "from halo_service.sources.azure_kinect import AzureKinect, connected\n"
         "assert connected() == 0\n"
@@ -62,7 +62,7 @@ def test_without_the_sdk_there_is_no_camera_and_a_sentence_says_why():
 
 @pytest.fixture
 def capture():
-    """A capture as the SDK hands it over, from its own playback of a real recording."""
+    """A capture as the SDK delivers it, from its own playback of a real recording."""
     if not REAL.exists():
         pytest.skip("no shared/data/azure_kinect_desk.mkv")
     with pyk4a().PyK4APlayback(REAL) as playback:
@@ -85,9 +85,9 @@ def test_a_capture_becomes_a_frame_with_its_jpeg_untouched(capture):
 
 
 @pytest.mark.parametrize(("lacks", "says"), [("depth", "no depth"), ("ir", "no IR")])
-def test_a_capture_that_lacks_a_picture_is_a_bad_frame(capture, lacks, says):
+def test_a_capture_that_lacks_an_image_is_a_bad_frame(capture, lacks, says):
     class Lacking:
-        """The same capture, as it is when the camera did not deliver one of its pictures."""
+        """The same capture, as it is when the camera did not deliver one of its images."""
 
         depth = None if lacks == "depth" else capture.depth
         ir = None if lacks == "ir" else capture.ir

@@ -23,7 +23,7 @@ def arrivals(frames: int, *, drift=0.0, jitter_us=8000.0, seed=0) -> Iterator[tu
 
 
 def errors_us(frames, clock: DeviceClock | None = None) -> np.ndarray:
-    """How far from the truth, less the least delay that nobody can know."""
+    """How far from the truth, less the least delay, which cannot be measured."""
     clock = clock or DeviceClock()
     return np.array(
         [clock.unix_us(device, arrived) - true - LEAST_DELAY_US for device, true, arrived in frames]

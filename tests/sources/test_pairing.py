@@ -56,17 +56,17 @@ CASES = {
 
 
 @pytest.mark.parametrize(("stream", "captures"), CASES.values(), ids=CASES)
-def test_a_capture_is_what_lies_around_its_depth(stream, captures):
+def test_a_capture_is_what_is_near_its_depth(stream, captures):
     assert pair(stream) == captures
 
 
-def test_without_a_colour_track_none_is_waited_for():
+def test_without_a_colour_track_no_capture_waits_for_one():
     pairing: Pairing[int] = Pairing(frozenset({"DEPTH", "IR"}), PERIOD_US)
     assert list(pairing.push(D, 0, 0)) == []
     assert list(pairing.push(R, 0, 1)) == [Capture(0, 0, 1, None)]
 
 
-def test_depth_that_was_asked_to_come_later_finds_its_colour():
+def test_depth_with_a_configured_delay_finds_its_colour():
     stream = [(C, 0), (D, 20_000), (R, 20_000), (C, 33_333), (D, 53_333), (R, 53_333)]
     assert pair(stream, delay_us=20_000) == [
         (20_000, 20_000, 20_000, 0),

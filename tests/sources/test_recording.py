@@ -33,7 +33,7 @@ def play(path: Path, *, laps_of: int | None = None) -> list[Frame | BadFrame]:
 
 
 @real_file
-def test_a_real_recording_has_the_pixels_that_the_sdk_plays_back():
+def test_a_real_recording_has_the_pixels_that_the_sdk_reads():
     pyk4a = pytest.importorskip("pyk4a", reason="the Azure Kinect SDK is not installed")
     (frame,) = play(REAL)
     assert isinstance(frame, Frame)
@@ -70,7 +70,7 @@ def test_a_real_recording_cut_anywhere_is_refused_at_once(tmp_path):
 
 
 def outcome_of(path: Path) -> tuple[int, str]:
-    """How many frames came, and what was said in the end."""
+    """How many frames came, and the last error."""
     frames = 0
     try:
         recording = Recording(path, realtime=False, loop=False)
@@ -82,7 +82,7 @@ def outcome_of(path: Path) -> tuple[int, str]:
     except EndOfSource:
         return frames, "a normal end"
     except UserError as error:
-        known = ("header is cut off", "is truncated:", "breaks off after")
+        known = ("header is cut off", "is truncated:", "is cut off after")
         said = next((words for words in known if words in str(error)), str(error))
         return frames, f"{said} {frames}" if said == known[2] else said
 
@@ -102,13 +102,13 @@ def test_a_truncated_recording_is_refused_when_it_is_opened(tmp_path, small_reco
         Recording(path, realtime=False, loop=False)
 
 
-def test_a_recording_that_was_never_closed_says_so_at_its_end(tmp_path, small_recording):
+def test_a_recording_that_was_never_closed_is_reported_at_its_end(tmp_path, small_recording):
     data = bytearray(small_recording.read_bytes())
     segment = data.index(b"\x18\x53\x80\x67")
     data[segment + 4 : segment + 12] = b"\x01" + b"\xff" * 7  # the size, still unknown
     path = tmp_path / "unclosed.mkv"
     path.write_bytes(data)
-    assert outcome_of(path) == (6, "breaks off after 6")
+    assert outcome_of(path) == (6, "is cut off after 6")
 
 
 def test_ours_reads_back_as_it_was_written(small_recording, small_frames):
@@ -120,7 +120,7 @@ def test_ours_reads_back_as_it_was_written(small_recording, small_frames):
         assert abs(read.time_us - written.time_us) <= 500
 
 
-def test_the_sdk_s_raw_pictures_are_read_from_more_than_one_frame(foreign):
+def test_the_sdk_s_raw_images_are_read_from_more_than_one_frame(foreign):
     frames = play(foreign(codec="rawvideo", pix_fmt="gray16be"))
     assert [(f.time_us, f.depth[0, 5], f.ir[0, 5]) for f in frames] == [
         (0, 5, 5),
@@ -179,7 +179,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path, content):
         Recording(path, realtime=False, loop=False)
 
 
-def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
+def test_a_missing_file_and_a_folder_have_different_errors(tmp_path):
     with pytest.raises(UserError, match="does not exist"):
         Recording(tmp_path / "nowhere.mkv", realtime=False, loop=False)
     with pytest.raises(UserError, match="is a folder"):
@@ -212,12 +212,12 @@ def test_a_recording_of_bad_frames_alone_is_refused(foreign):
         Recording(path, realtime=False, loop=False)
 
 
-def test_bytes_turned_to_rubbish_never_end_in_a_traceback(tmp_path, small_recording):
+def test_damaged_bytes_never_end_in_a_traceback(tmp_path, small_recording):
     data = small_recording.read_bytes()
     path = tmp_path / "rubbish.mkv"
     for start in range(4, len(data) - 400, 30_011):
         path.write_bytes(data[:start] + b"\xaa" * 400 + data[start + 400 :])
-        outcome_of(path)  # whatever it says, it says it by UserError
+        outcome_of(path)  # any error is a UserError
 
 
 def test_in_a_loop_time_goes_on_rising_by_the_frame_period(small_recording, small_frames):
@@ -231,7 +231,7 @@ def test_without_a_loop_time_is_the_file_s_own(small_recording, small_frames):
     assert play(small_recording)[0].time_us == small_frames[0].time_us
 
 
-def test_live_frames_come_when_they_are_due_and_carry_unix_time(small_recording):
+def test_live_frames_come_when_they_are_due_in_unix_time(small_recording):
     recording = Recording(small_recording, realtime=True, loop=True)
     started = time.monotonic()
     arrivals = []
@@ -240,7 +240,7 @@ def test_live_frames_come_when_they_are_due_and_carry_unix_time(small_recording)
         assert capture is not None
         arrivals.append((time.time_ns() // 1000, capture.time_us))
     recording.close()
-    # Never early; how late is the machine's business.
+    # Never early; how late depends on the machine.
     assert time.monotonic() - started >= 7 * 0.033
     assert all(now_us >= time_us for now_us, time_us in arrivals)
     np.testing.assert_allclose(np.diff([t for _, t in arrivals]), PERIOD_US, atol=1001)

@@ -86,7 +86,7 @@ def surface_of(
         )
     corner = np.eye(3)
     corner[:2, 2] = (-width_mm / 2.0, -height_mm / 2.0)
-    surface = plane.laid(rigid.there_from_here @ corner, width_mm, height_mm)
+    surface = plane.moved(rigid.there_from_here @ corner, width_mm, height_mm)
     error_mm = _rms(rigid.off_mm)
     if error_mm > FLAT_MM:
         raise Refused(
@@ -130,7 +130,7 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> Laid:
             f"the four corners are no rectangle (the {CORNERS[worst]} one is off by "
             f"{rigid.off_mm[worst]:.0f} mm): touch them again, each at the same mark"
         )
-    surface = plane.laid(rigid.there_from_here, width_mm, height_mm)
+    surface = plane.moved(rigid.there_from_here, width_mm, height_mm)
     return Laid(surface, _rms(rigid.off_mm), float("nan"), rigid.off_mm, 1.0)
 
 

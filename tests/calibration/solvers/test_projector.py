@@ -104,7 +104,7 @@ def test_touches_that_make_no_homography_are_refused(touches, why):
 
 
 LENS = Lens(1280, 720, 610.0, 610.0, 640.0, 360.0)
-OVER = TABLE.laid(np.eye(3), 300.0, 200.0)
+OVER = TABLE.moved(np.eye(3), 300.0, 200.0)
 OVER.camera_from_surface[:3, 3] = (-150.0, -100.0, 500.0)
 BOARD = Projected(1280, 800)
 

@@ -128,7 +128,7 @@ def test_an_unwritable_cache_is_an_error_with_a_remedy(tmp_path):
         COMMAND, env=environment(tmp_path), capture_output=True, text=True, check=False
     )
     assert done.returncode == 2
-    assert "cannot be kept in" in done.stderr
+    assert "cannot be written to" in done.stderr
 
 
 def test_a_configured_model_replaces_ours(tmp_path):

@@ -16,6 +16,17 @@ class Subject:
     material: str = ""
     family: str = ""
     """Of halo curves."""
+    halo: str = ""
+    """Shape of the footprint, `bell` or `odd`."""
+    skin_offset_mm: float | None = None
+    """How much too far the user's skin reads."""
+    curl: float | None = None
+    """Of the other fingers: 0 hanging, 1 a fist."""
+    height_mm: float | None = None
+    """Of the camera."""
+    mode: str = ""
+    """Of the depth camera."""
+    device: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,6 +6,7 @@ To split by another property of the user, put it into `metrics.result.Subject`.
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -150,6 +151,48 @@ def _at_both_noises(*columns: tuple[str, str]) -> tuple[Column, ...]:
     )
 
 
+CLASSES: dict[str, tuple[float, ...]] = {
+    "skin_offset_mm": (7.0, 9.0, 11.0),
+    "curl": (0.2, 0.5, 0.8),
+    "height_mm": (450.0, 600.0, 800.0),
+}
+"""Bounds between the classes of a property that is a number."""
+PROPERTIES = {
+    "halo": "halo", "skin_offset_mm": "skin offset, mm", "curl": "curl",
+    "height_mm": "camera height, mm", "mode": "depth mode", "device": "device",
+}  # fmt: skip
+
+
+def _by_properties(result: Result, scores: Scores) -> list[tuple[tuple[str, int, str], Scores]]:
+    """Count the scores once in each property of the user and the camera."""
+    groups = []
+    for name, words in PROPERTIES.items():
+        value = getattr(result.subject, name)
+        if value is None or value == "":
+            continue  # a recording, whose user is unknown
+        order, class_words = _class(name, value)
+        groups.append(((words, order, class_words), scores))
+    return groups
+
+
+def _class(name: str, value: float | str) -> tuple[int, str]:
+    """Return the place of a value's class among the others, and its name."""
+    if isinstance(value, str):
+        return 0, value
+    bounds = CLASSES[name]
+    index = bisect.bisect_right(bounds, value)
+    if index == 0:
+        return index, f"below {bounds[0]:g}"
+    if index == len(bounds):
+        return index, f"from {bounds[-1]:g}"
+    return index, f"{bounds[index - 1]:g} to {bounds[index]:g}"
+
+
+def _property_words(group: tuple[str, int, str]) -> str:
+    name, _, words = group
+    return f"{name}: {words}"
+
+
 PLACE = "{spatial_mean_mm:.1f} ± {spatial_sd_mm:.1f}"
 HOVER = "{hover_error_mm:.2f} ± {hover_error_sd_mm:.2f}"
 PRESSURE = "{pressure_error_percent:.2f} ± {pressure_error_sd_percent:.2f}"
@@ -185,6 +228,17 @@ BREAKDOWNS = (
         _at_both_noises(("error, %", PRESSURE), ("bias, %", "{pressure_bias_percent:+.2f}")),
         "In % of 385 g. Bias: reported minus true.",
         label=_level_words,
+    ),
+    Breakdown(
+        "By property of user and camera", "property", _by_properties,
+        _columns(
+            ("touches", "{touches}"), ("F1, %", "{f1:.2%}"), ("missed", "{missed}"),
+            ("doubled", "{doubled}"), ("outside", "{outside}"), ("ghosts", "{ghosts}"),
+            ("error, mm", PLACE), ("hover, mm", HOVER), ("pressure, %", PRESSURE),
+        ),
+        "All tasks together. Curl: of the other fingers, 0 hanging, 1 a fist. Each user counts in "
+        "one row of each property, so the properties are not independent.",
+        label=_property_words,
     ),
     Breakdown("Hover and pressure error by family of curves", "family",
               _by(lambda result: result.subject.family), LEVELS),

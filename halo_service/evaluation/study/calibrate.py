@@ -17,11 +17,11 @@ from halo_service.errors import UserError
 from halo_service.evaluation.study.recording import StoredRecording, restored
 from halo_service.evaluation.study.sense import CachedHands, FrameSequence
 from halo_service.evaluation.study.simulate import background_of, profile_of_table
+from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
 from halo_service.profile.serialization import array_files, to_json
 from halo_service.runtime.method import OURS, Method
 from halo_service.sensing import SensingSettings
-from halo_service.virtual.camera import factory
 
 NAME = "bench"
 DATE = "1970-01-01T00:00:00Z"
@@ -41,17 +41,20 @@ class CalibratedUser:
 
 
 def calibrate(
-    recording: StoredRecording, methods: Sequence[Method[Any]], settings: SensingSettings
+    recording: StoredRecording,
+    camera: Camera,
+    methods: Sequence[Method[Any]],
+    settings: SensingSettings,
 ) -> CalibratedUser:
-    """Calibrate each method on a user's calibration recording.
+    """Calibrate each method on a user's calibration recording, made with `camera`.
 
     Where our calibration refuses, the rivals get the empty table: none of them reads our states.
     """
     background = background_of(recording)
     try:
-        profile, reason = by_script(recording, background, settings), ""
+        profile, reason = by_script(recording, camera, background, settings), ""
     except UserError as error:
-        profile, reason = profile_of_table(NAME, background), str(error)
+        profile, reason = profile_of_table(NAME, background, camera), str(error)
     profiles, refused = {}, {}
     for method in methods:
         if reason and method is OURS:
@@ -65,12 +68,12 @@ def calibrate(
 
 
 def by_script(
-    recording: StoredRecording, background: Background, settings: SensingSettings
+    recording: StoredRecording, camera: Camera, background: Background, settings: SensingSettings
 ) -> Profile:
     """Return the profile that `halo calibrate --script` makes of a recording, or `UserError`."""
     track = CachedHands(recording)
-    source = FrameSequence(frame for frame, _ in restored(recording, background))
-    setup = Setup(NAME, factory(), DATE, settings, base=read_base(VIRTUAL))
+    source = FrameSequence((frame for frame, _ in restored(recording, background)), camera)
+    setup = Setup(NAME, camera, DATE, settings, base=read_base(VIRTUAL))
     scripted = Scripted(setup, Session(source), lambda _: track, lambda _: None)
     return scripted.run(parse_script(list(recording.script), "of the recording"))
 

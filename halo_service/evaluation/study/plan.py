@@ -13,11 +13,11 @@ from urllib.parse import quote
 from halo_service.errors import UserError
 from halo_service.virtual.materials import STUDIED
 
-TUNED = (201, 202, 203, 204, 205, 206, 209, 212)
+TUNED = (201, 202, 203, 204, 205, 206, 209, 212, *range(213, 219))
 """Virtual users for tuning the sensing and its rivals; never reported as a result.
 `docs/evaluation.md` says what was chosen on which of them."""
-REPORTED = tuple(range(301, 313))
-"""The study's twelve: nothing was chosen on them."""
+REPORTED = tuple(range(313, 325))
+"""The study's twelve: nothing was chosen on them. 301 to 312 were reported before."""
 QUICK_USERS = TUNED[:3]
 """A quick run is for spotting regressions, and so for tuning users."""
 
@@ -80,6 +80,45 @@ LABELS = Task("labels", "labels", 60.0, ends=False, hands=2)
 """Taps at the times of real touches on a tablet; needs a file of them."""
 
 
+NARROW, BINNED, WIDE = "NFOV_UNBINNED", "NFOV_2X2BINNED", "WFOV_2X2BINNED"
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """The camera over one user's table."""
+
+    height_mm: float
+    pitch_deg: float
+    yaw_deg: float
+    mode: str = NARROW
+    device: str = "kinect"
+
+    @property
+    def options(self) -> tuple[tuple[str, str], ...]:
+        """As in a source's name."""
+        return (
+            ("camera_height_mm", f"{self.height_mm:g}"),
+            ("camera_pitch_deg", f"{self.pitch_deg:g}"),
+            ("camera_yaw_deg", f"{self.yaw_deg:g}"),
+            ("mode", self.mode),
+            ("device", self.device),
+        )
+
+
+GEOMETRY = {
+    213: Geometry(350, 0, 0), 214: Geometry(500, 10, 5, BINNED), 215: Geometry(700, -8, 0),
+    216: Geometry(430, 0, -12, WIDE), 217: Geometry(1000, 0, 0),
+    218: Geometry(560, 20, 0, device="bolt"),
+    313: Geometry(500, 0, 0), 314: Geometry(350, 5, 0), 315: Geometry(420, 0, 8, device="bolt"),
+    316: Geometry(700, 0, 0), 317: Geometry(550, 20, 0), 318: Geometry(500, 0, 0, BINNED),
+    319: Geometry(480, -10, 0), 320: Geometry(600, 0, -15, device="bolt"),
+    321: Geometry(400, 0, 0, WIDE), 322: Geometry(850, 8, 0), 323: Geometry(1000, 0, 5, BINNED),
+    324: Geometry(520, 12, 12, WIDE, "bolt"),
+}  # fmt: skip
+"""Height, tilt, depth mode and device of users from 213 on, chosen to mix; the seed draws the
+camera of the others."""
+
+
 @dataclass(frozen=True, slots=True)
 class User:
     """A virtual user at a table of one material."""
@@ -95,6 +134,7 @@ class User:
     def source(self, task: Task) -> str:
         """Return the source of the virtual camera."""
         options = (("seed", str(self.seed)), ("material", self.material), *task.options)
+        options += GEOMETRY[self.seed].options if self.seed in GEOMETRY else ()
         return f"sim:{task.scenario}?" + "&".join(f"{key}={quote(text)}" for key, text in options)
 
 

@@ -32,8 +32,10 @@ from halo_service.evaluation.study.judge import judge
 from halo_service.evaluation.study.plan import CALIBRATION, Plan, Task, User
 from halo_service.evaluation.study.recording import load, restored
 from halo_service.evaluation.study.sense import CachedHands, sense_all
+from halo_service.geometry.camera import Camera
 from halo_service.sensing import SensingSettings
 from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.room import Room
 from halo_service.virtual.sim_url import parse_sim_url
 
 SIMULATE_MS, SENSE_MS, CALIBRATE_S = 30.0, 2.0, 9.0
@@ -155,16 +157,30 @@ def _calibrate(request: StudyRequest, user: User) -> CalibratedUser:
         request.cache.ensure(user, CALIBRATION)
     except Refused as refused:  # the empty table itself cannot be used
         return CalibratedUser(None, {}, dict.fromkeys(request.methods, str(refused)))
-    return calibrate(request.cache.calibration(user), methods, request.settings)
+    camera = _camera(parse_sim_url(user.source(CALIBRATION)).room)
+    return calibrate(request.cache.calibration(user), camera, methods, request.settings)
+
+
+def _camera(room: Room) -> Camera:
+    return factory(room.device, room.mode)
+
+
+def _subject(user: User, room: Room) -> Subject:
+    """Describe the user by what the breakdown splits by."""
+    return Subject(
+        user.name, user.seed, user.material, room.curve.family, halo=room.curve.shape,
+        skin_offset_mm=room.user.skin_offset_mm, curl=room.user.curl,
+        height_mm=room.camera_height_mm, mode=room.mode, device=room.device,
+    )  # fmt: skip
 
 
 def _perform(
     request: StudyRequest, user: User, task: Task, calibrated: CalibratedUser
 ) -> tuple[Result, ...]:
     """Sense and score one recording with all methods that are calibrated for the user."""
-    # The curve is the same in all tasks; the task's own source may need a label file that is gone.
-    curve = parse_sim_url(user.source(CALIBRATION)).room.curve
-    subject = Subject(user.name, user.seed, user.material, curve.family)
+    # The room is the same in all tasks; the task's own source may need a label file that is gone.
+    room = parse_sim_url(user.source(CALIBRATION)).room
+    subject = _subject(user, room)
     results = {
         name: Result(subject, task.name, name, None, refused)
         for name, refused in calibrated.refused.items()
@@ -178,7 +194,7 @@ def _perform(
             replace(request.settings, fingers="all") if task.all_fingers else request.settings
         )
         track = CachedHands(recording)
-        published = sense_all(frames, factory(), track, methods, calibrated.profiles, settings)
+        published = sense_all(frames, _camera(room), track, methods, calibrated.profiles, settings)
         for name, profile in calibrated.profiles.items():
             results[name] = judge(
                 subject, task.name, name, published[name],

@@ -23,7 +23,6 @@ from halo_service.evaluation.study.recording import (
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
 from halo_service.values import Frame, Tracked
-from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import Take
 from halo_service.virtual.scenarios.calibration import BACKGROUND_S
 from halo_service.virtual.sim_url import parse_sim_url
@@ -53,7 +52,8 @@ def simulate_calibration(user: User, task: Task, open_tracker: OpenTracker) -> S
             empty.append(frame)
             stored.append(store_whole(frame, track(frame)))
     background = solve_background([each.depth for each in empty])
-    stored += _stored(user, task, chain((frame,), frames), background, open_tracker)
+    later = chain((frame,), frames)
+    stored += _stored(user, task, later, background, open_tracker, simulation.camera)
     return StoredRecording(tuple(stored), tuple(truth), tuple(simulation.script()))
 
 
@@ -64,7 +64,7 @@ def simulate_task(
     simulation = _simulation(user, task)
     truth: list[Line] = []
     frames = _frames(simulation, task, truth)
-    stored = tuple(_stored(user, task, frames, background, open_tracker))
+    stored = tuple(_stored(user, task, frames, background, open_tracker, simulation.camera))
     return StoredRecording(stored, tuple(truth), tuple(simulation.script()))
 
 
@@ -73,9 +73,8 @@ def background_of(calibration: StoredRecording) -> Background:
     return solve_background([frame.depth for frame in empty_frames(calibration)])
 
 
-def profile_of_table(name: str, background: Background) -> Profile:
+def profile_of_table(name: str, background: Background, camera: Camera) -> Profile:
     """Return a profile with the empty surface alone. Raises `Refused` where it is no plane."""
-    camera = factory()
     surface = surface_from_view(solve_plane(background, camera))
     return Profile(name, camera, surface, background, None, 1)
 
@@ -104,9 +103,9 @@ def _stored(
     frames: Iterable[Frame],
     background: Background,
     open_tracker: OpenTracker,
+    camera: Camera,
 ) -> Iterator[StoredFrame]:
-    profile = profile_of_table(user.name, background)
-    camera = profile.camera
+    profile = profile_of_table(user.name, background, camera)
     reach = reach_box(profile.surface, camera)
     with open_tracker(camera, profile, task.hands) as track:
         for frame in frames:

@@ -371,6 +371,24 @@ def test_a_breakdown_has_rows_by_material_and_method_and_the_refused_with_their_
     assert tables["Could not be calibrated"] == (refused,)
 
 
+def test_a_breakdown_has_a_row_for_each_property_of_the_user_and_the_camera():
+    facts = {"halo": "odd", "curl": 0.0, "mode": "WFOV_2X2BINNED", "device": "kinect"}
+    near = replace(SUBJECT, skin_offset_mm=6.0, height_mm=350.0, **facts)
+    far = replace(SUBJECT, skin_offset_mm=12.0, height_mm=1000.0, **(facts | {"halo": "bell"}))
+    results = [result(taps(6), subject=near), result(taps(4, missed=(1,)), subject=far)]
+    (table,) = (t for t in breakdown(results) if t.title == "By property of user and camera")
+    rows = {row[0]: row[2:5] for row in table.rows}
+    assert rows["halo: odd"] == ("6", "100.00", "0")
+    assert rows["halo: bell"][2] == "1"
+    assert rows["curl: below 0.2"][0] == rows["depth mode: WFOV_2X2BINNED"][0] == "10"
+    assert list(rows).index("skin offset, mm: below 7") < list(rows).index(
+        "skin offset, mm: from 11"
+    )
+    assert {"camera height, mm: below 450", "camera height, mm: from 800"} <= set(rows)
+    nobody = breakdown([result(taps(6), subject=Subject("desk"))])
+    assert all(t.title != "By property of user and camera" for t in nobody)
+
+
 def test_places_have_mean_median_and_percentile():
     (table,) = (t for t in breakdown([result(ALL)]) if t.title == "Touches by material")
     row = dict(zip(table.head, table.rows[0], strict=True))

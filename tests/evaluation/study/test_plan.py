@@ -49,6 +49,30 @@ def test_the_virtual_camera_knows_every_task(task: study.Task) -> None:
     )
 
 
+FRESH = (*range(213, 219), *range(313, 325))
+
+
+@pytest.mark.parametrize("seed", FRESH)
+def test_a_fresh_user_has_one_camera_in_all_tasks(seed: int) -> None:
+    rooms = [parse_sim_url(User(seed, "wood").source(task)).room for task in study.ALL_TASKS]
+    cameras = {
+        (r.camera_height_mm, r.camera_pitch_deg, r.camera_yaw_deg, r.mode, r.device, r.curve)
+        for r in rooms
+    }
+    assert len(cameras) == 1
+
+
+@pytest.mark.parametrize("seeds", [FRESH[:6], FRESH[6:]])
+def test_fresh_users_mix_heights_tilts_modes_and_devices(seeds: tuple[int, ...]) -> None:
+    assert set(seeds) <= set(TUNED if seeds[0] < 300 else REPORTED)
+    cameras = [study.GEOMETRY[seed] for seed in seeds]
+    heights = [camera.height_mm for camera in cameras]
+    assert (min(heights), max(heights)) == (350.0, 1000.0)
+    assert max(abs(camera.pitch_deg) for camera in cameras) == 20.0
+    assert {camera.mode for camera in cameras} == {study.NARROW, study.BINNED, study.WIDE}
+    assert {camera.device for camera in cameras} == {"kinect", "bolt"}
+
+
 def test_no_two_tasks_share_a_file() -> None:
     assert len({task.name for task in study.ALL_TASKS}) == len(study.ALL_TASKS)
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -21,9 +22,8 @@ from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
 from halo_service.settings import Settings
-from halo_service.sources import Source
-from halo_service.sources.recording import Recording
-from halo_service.values import BadFrame, Frame
+from halo_service.sources import EndOfSource
+from halo_service.values import BadFrame, Frame, Tracked
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.scenarios import start_scenario
@@ -34,6 +34,8 @@ pytestmark = pytest.mark.slow
 SIM = parse_sim_url("sim:calibration?seed=4")
 SWEEP_S = 13.6
 """Four of the six rows: enough, and a third less to draw."""
+SHORT_SWEEP_S = 5.0
+"""A sweep that covers too little."""
 BEFORE_S = 0.5
 Script = list[dict[str, float | str]]
 
@@ -56,26 +58,46 @@ def needed(script: Script, at_s: float) -> bool:
     return any(float(line["from_s"]) - BEFORE_S <= at_s <= float(line["to_s"]) for line in script)
 
 
+class Take(NamedTuple):
+    """What the virtual camera sees of the script."""
+
+    path: Path
+    """The recording of all of it."""
+    frames: list[Frame]
+    """Without infrared, up to the first seconds of the sweep."""
+    hands: dict[int, Tracked]
+    """What the real hand tracker finds in them, by `time_us`: looked for once for all tests."""
+
+
 @pytest.fixture(scope="module")
-def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("take") / "calibration.mkv"
+def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Take:
+    made = Take(tmp_path_factory.mktemp("recording") / "calibration.mkv", [], {})
     seconds = float(script[-1]["to_s"]) + 0.2
-    with Recorder(path, factory(), fps=FPS, colour=False) as recorder:
+    in_memory = float(script[-1]["from_s"]) + SHORT_SWEEP_S + 0.2
+    settings = replace(Settings().tracking, max_hands=1)
+    with (
+        Recorder(made.path, factory(), fps=FPS, colour=False) as recorder,
+        closing(HandDetector(factory(), None, settings)) as detector,
+    ):
         for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
-            if frame is not None and needed(script, number / FPS):
-                recorder.write(frame)
-    return path
+            if frame is None or not needed(script, number / FPS):
+                continue
+            recorder.write(frame)
+            if number / FPS < in_memory:
+                made.hands[frame.time_us] = detector.look(frame)
+                made.frames.append(replace(frame, ir=frame.ir[:0].copy()))
+    return made
 
 
 def test_the_same_recording_and_script_give_the_same_profile(
-    take: Path, script: Script, tmp_path: Path
+    take: Take, script: Script, tmp_path: Path
 ) -> None:
     written = tmp_path / "script.json"
     written.write_text(json.dumps(script))
     kept = []
     for name in ("one", "two"):
         folder = tmp_path / name / "desk"
-        arguments = ["--source", f"recording:{take}", "--script", str(written)]
+        arguments = ["--source", f"recording:{take.path}", "--script", str(written)]
         assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
         kept.append({path.name: path.read_bytes() for path in folder.iterdir()})
     assert kept[0] == kept[1]
@@ -92,40 +114,39 @@ def test_the_same_recording_and_script_give_the_same_profile(
     assert figures["variation_corrected"] < figures["variation_raw"]
 
 
-class Without:
-    """A source that loses what was captured in a span of time."""
+class Drawn:
+    """A source of frames in memory that loses those of a span of time."""
 
-    def __init__(self, source: Source, from_s: float, to_s: float) -> None:
-        self._source, self._from_s, self._to_s = source, from_s, to_s
-        self._first_us: int | None = None
-        self.kind, self.camera = source.kind, source.camera
+    kind = "sim"
+
+    def __init__(self, frames: list[Frame], from_s: float, to_s: float) -> None:
+        self.camera = factory()
+        first_us = frames[0].time_us
+        self._frames = iter(
+            [each for each in frames if not from_s <= (each.time_us - first_us) / 1e6 < to_s]
+        )
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
-        while True:
-            capture = self._source.read(timeout_s)
-            assert capture is not None
-            self._first_us = capture.time_us if self._first_us is None else self._first_us
-            if not self._from_s <= (capture.time_us - self._first_us) / 1e6 < self._to_s:
-                return capture
+        frame = next(self._frames, None)
+        if frame is None:
+            raise EndOfSource
+        return frame
 
     def close(self) -> None:
-        self._source.close()
+        pass
 
 
 @pytest.fixture
-def calibrate(take: Path) -> Iterator[Callable[..., Profile]]:
+def calibrate(take: Take) -> Callable[..., Profile]:
     def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
-        settings = Settings()
-        with closing(Without(Recording(take, realtime=False, loop=False), *lost)) as source:
-            eyes = HandDetector(source.camera, None, replace(settings.tracking, max_hands=1))
-            try:
-                setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
-                scripted = Scripted(setup, Session(source), lambda known: eyes.look, print)
-                return scripted.run(parse_script(script, "test"))
-            finally:
-                eyes.close()
+        source = Drawn(take.frames, *lost)
+        setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
+        scripted = Scripted(
+            setup, Session(source), lambda known: lambda frame: take.hands[frame.time_us], print
+        )
+        return scripted.run(parse_script(script, "test"))
 
-    yield run
+    return run
 
 
 def until(script: Script, last: str) -> Script:
@@ -171,6 +192,6 @@ def test_a_sweep_that_is_too_small_is_refused(
     script: Script, calibrate: Callable[..., Profile]
 ) -> None:
     lines = [dict(line) for line in script]
-    lines[-1]["to_s"] = float(lines[-1]["from_s"]) + 5.0
+    lines[-1]["to_s"] = float(lines[-1]["from_s"]) + SHORT_SWEEP_S
     with pytest.raises(Refused, match=r"covered only \d+ % .* missing most (at|in) the"):
         calibrate(lines)

@@ -14,7 +14,7 @@ from contextlib import ExitStack
 import numpy as np
 
 from halo_calibration.base_model import choose_base
-from halo_calibration.guided.guide import CUES
+from halo_calibration.guided.guide import PROMPTS
 from halo_calibration.observe import Observation, Observer
 from halo_calibration.solvers.correction import Model
 from halo_calibration.solvers.sweep import SWEEP_S
@@ -22,7 +22,7 @@ from halo_calibration.steps import Setup, sweep_change, watch_sweep
 from halo_calibration.steps.session import Session
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.profile import virtual_profile
-from halo_service.app.virtual_user.user import STATED, VirtualUser
+from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.profile import Profile
 from halo_service.sensing.correction import strength
 from halo_service.settings import Settings
@@ -59,12 +59,16 @@ def calibrated(room: Room) -> Profile:
     user = VirtualUser(room)
     session = Session(user)
     setup = Setup(
-        "bench", user.camera, "", stated=STATED, base=choose_base("auto", user.camera.serial)
+        "bench",
+        user.camera,
+        "",
+        state_values=STATE_VALUES,
+        base=choose_base("auto", user.camera.serial),
     )
     with ExitStack() as stack:
         eyes = HandDetector(user.camera, profile, settings.tracking)
         stack.callback(eyes.close)
-        user.obey(CUES["sweep"])
+        user.obey(PROMPTS["sweep"])
         user.skip(SETTLE_S)
         observer = Observer(profile, eyes.look, settings.sensing)
         frames = session.lasting(SWEEP_S, "sweep")

@@ -17,7 +17,7 @@ import pytest
 
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
-from halo_service.profile import Background, HeldState, Profile, TouchStates
+from halo_service.profile import Background, Profile, TouchState, TouchStates
 from halo_service.sensing import SensingSettings, start, step
 from halo_service.values import Frame, Hand, Pointer, Side, Tracked
 
@@ -136,10 +136,10 @@ class DrawnTable:
             np.ones(self.shape, bool),
         )
         states = TouchStates(
-            hover=HeldState(signals["hover"], 10.0, 0.0),
-            subtle=HeldState(signals["subtle"], 1.0, 0.0),
-            touch=HeldState(signals["touch"], 0.0, 25.0),
-            pressure=HeldState(signals["pressure"], 0.0, 200.0),
+            hover=TouchState(signals["hover"], 10.0, 0.0),
+            subtle=TouchState(signals["subtle"], 1.0, 0.0),
+            touch=TouchState(signals["touch"], 0.0, 25.0),
+            pressure=TouchState(signals["pressure"], 0.0, 200.0),
             line_px_at_hover=6.0,
             finger_thickness_mm=THICKNESS_MM,
         )

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from halo_calibration.boards.board import Projected
-from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.guide import Prompt
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.outputs.recorder import Recorder
 from halo_service.virtual.camera import FPS
@@ -52,7 +52,7 @@ class Film:
         width, height = self.user.projector_px
         picture = Projected(width, height).picture()
         self.user.project(np.repeat(picture[..., None], 3, axis=2))
-        self.user.obey(Cue("board", ""))
+        self.user.obey(Prompt("board", ""))
         self.step("projector", frames, width_px=width, height_px=height)
         self.user.project(np.zeros((height, width, 3), np.uint8))
 

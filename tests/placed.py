@@ -15,7 +15,7 @@ from halo_calibration.boards.board import Printed
 from halo_calibration.errors import Refused
 from halo_calibration.solvers.anchor import Anchored, anchor_pose
 from halo_calibration.solvers.background import average
-from halo_calibration.solvers.homography import Solved
+from halo_calibration.solvers.homography import HomographyFit
 from halo_calibration.solvers.plane import solve_plane, surface_from_view
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
@@ -150,7 +150,7 @@ def pose_error(found: Anchored, there: np.ndarray) -> tuple[float, float]:
     return float(np.linalg.norm(ours[:3, 3] - there[:3, 3])), float(off_deg)
 
 
-def off_px(place: Place, solved: Solved) -> np.ndarray:
+def off_px(place: Place, solved: HomographyFit) -> np.ndarray:
     """(25,) how far from where it should be light falls that is aimed at what a touch reads."""
     places = grid(300.0, 200.0)
     read = place.read_at(place.plane, places)

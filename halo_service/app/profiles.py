@@ -9,7 +9,7 @@ from pathlib import Path
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.archive import pack, unpack
-from halo_service.profile.model import HeldState
+from halo_service.profile.model import TouchState
 from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
 
 NAME = re.compile(r"[\w-][\w .-]{0,63}")
@@ -112,7 +112,7 @@ def _states(profile: Profile) -> list[str]:
     ]
 
 
-def _state(held: HeldState) -> str:
+def _state(held: TouchState) -> str:
     known = "given" if held.stated else "assumed"
     if held.height_mm > 0.0:
         what = f"at {held.height_mm:g} mm ({known})"

@@ -4,10 +4,10 @@ from halo_service.profile.model import (
     Anchor,
     Background,
     Correction,
-    HeldState,
     Profile,
     Projector,
     StepRecord,
+    TouchState,
     TouchStates,
 )
 
@@ -15,9 +15,9 @@ __all__ = [
     "Anchor",
     "Background",
     "Correction",
-    "HeldState",
     "Profile",
     "Projector",
     "StepRecord",
+    "TouchState",
     "TouchStates",
 ]

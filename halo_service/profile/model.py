@@ -39,7 +39,7 @@ class Background:
 
 
 @dataclass(frozen=True, slots=True)
-class HeldState:
+class TouchState:
     """One of the four states the user held still."""
 
     signal: float
@@ -68,10 +68,10 @@ class HeldState:
 class TouchStates:
     """The four states of the paper's first calibration task (section 4.3.5)."""
 
-    hover: HeldState
-    subtle: HeldState
-    touch: HeldState
-    pressure: HeldState
+    hover: TouchState
+    subtle: TouchState
+    touch: TouchState
+    pressure: TouchState
     line_px_at_hover: float
     """Halo pixels on the finger's line in the hover state."""
     finger_thickness_mm: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from halo_service.profile import HeldState, TouchStates
+from halo_service.profile import TouchState, TouchStates
 from halo_service.values import Signal
 
 
@@ -18,7 +18,7 @@ def touch_level(signal: Signal, states: TouchStates) -> float:
     return interpolate(*readings(signal, states.subtle, states.touch), 0.0, 1.0)
 
 
-def readings(signal: Signal, lower: HeldState, upper: HeldState) -> tuple[float, float, float]:
+def readings(signal: Signal, lower: TouchState, upper: TouchState) -> tuple[float, float, float]:
     """Return what a signal reads, and what it read in two states in contact or close to it.
 
     The dent under the finger, mm: a hand that hides most of the patch takes from the patch's sum

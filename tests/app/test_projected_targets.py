@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import SHEET
-from halo_calibration.guided.guide import CUES, Cue
+from halo_calibration.guided.guide import PROMPTS, Prompt
 from halo_service.app.cli import main
 from halo_service.app.virtual_user.user import STATES
 from halo_service.geometry.camera import Points
@@ -39,18 +39,18 @@ def film(room: Room, out: Path) -> Film:
     """Record the empty table, the sheet, the board, the four states, and the touched targets."""
     with Recorder(out, factory(), fps=FPS, colour=True) as recorder:
         made = Film(room, recorder)
-        made.user.obey(CUES["background"])
+        made.user.obey(PROMPTS["background"])
         made.step("background", 60)
-        made.user.obey(Cue("sheet", "", board=SHEET))
+        made.user.obey(Prompt("sheet", "", board=SHEET))
         made.step("surface", BOARD, by="markers")
         made.board(BOARD)
         for state, (height_mm, force_g) in STATES.items():
-            made.user.obey(CUES[state])
+            made.user.obey(PROMPTS[state])
             made.pause(READY_S)
             known = {"force_g": force_g} if force_g else {"height_mm": height_mm}
             made.step(state, HELD, **known)
         for target in TARGETS:
-            made.user.obey(Cue("cross", "", at_px=target))
+            made.user.obey(Prompt("cross", "", at_px=target))
             made.record(TOUCHED)
     return made
 

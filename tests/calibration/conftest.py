@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.observe import Observation
-from halo_calibration.solvers.touch import Held
+from halo_calibration.solvers.touch import HoldObservations
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.values import Side
 
@@ -21,7 +21,7 @@ def lens_camera() -> Camera:
     return Camera("A1", "NFOV_UNBINNED", 30, lens, None, np.eye(4))
 
 
-Hold = Callable[..., Held]
+Hold = Callable[..., HoldObservations]
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +43,7 @@ def hold() -> Hold:
         dent_mm: float | None = None,
         sways_mm: float = 0.0,
         hidden: int = 0,
-    ) -> Held:
+    ) -> HoldObservations:
         deep_mm = raw / 200.0 if dent_mm is None else dent_mm
         rng = np.random.default_rng(len(state))
         count = came if seen is None else seen
@@ -64,6 +64,6 @@ def hold() -> Hold:
             )
             for n in range(count)
         )
-        return Held(state, 60, came, observations)
+        return HoldObservations(state, 60, came, observations)
 
     return held

@@ -13,7 +13,7 @@ import pytest
 
 from halo_calibration.boards.board import SHEET, Projected, anchor
 from halo_calibration.solvers.projector import projector_by_markers
-from halo_calibration.solvers.surface import Laid, surface_by_markers
+from halo_calibration.solvers.surface import SurfaceFit, surface_by_markers
 from halo_service.virtual.props import printed
 from tests.placed import (
     Distortion,
@@ -90,12 +90,12 @@ def place(where: Where) -> Place:
     return Place(table, where.resolution, LENSES[where.lens])
 
 
-def off_mm(place: Place, laid: Laid) -> np.ndarray:
+def off_mm(place: Place, fit: SurfaceFit) -> np.ndarray:
     """(25,) how far from the truth a touch would be told."""
     x, y, turn_deg = SHEET_AT
     places = grid(*SIZE)
     truth = sent(turned(x, y, turn_deg) @ turned(-SIZE[0] / 2.0, -SIZE[1] / 2.0, 0.0), places)
-    return np.linalg.norm(place.read_at(laid.surface, truth) - places, axis=1)
+    return np.linalg.norm(place.read_at(fit.surface, truth) - places, axis=1)
 
 
 @pytest.mark.parametrize("seen_in", ["colour", "infrared"])
@@ -107,13 +107,13 @@ def test_the_sheet_tells_the_surface(where: Where, place: Place, seen_in: str) -
         view = place.colour(room=furnished), camera.colour, camera.colour_from_depth
     else:
         view = place.infrared(furnished), camera.depth, np.eye(4)
-    laid = surface_by_markers(*view, place.plane, *SIZE)
-    off = off_mm(place, laid)
+    fit = surface_by_markers(*view, place.plane, *SIZE)
+    off = off_mm(place, fit)
     print(f"{told(where)} surface in {seen_in} {off.mean():.2f} mm, at most {off.max():.2f}")
     assert off.max() < 1.5
-    assert laid.error_mm < 1.0
-    assert laid.error_px < 1.0
-    assert (laid.surface.width_mm, laid.surface.height_mm) == SIZE
+    assert fit.error_mm < 1.0
+    assert fit.error_px < 1.0
+    assert (fit.surface.width_mm, fit.surface.height_mm) == SIZE
 
 
 def test_the_projected_board_tells_the_homography(where: Where, place: Place) -> None:

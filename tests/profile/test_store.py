@@ -14,7 +14,7 @@ from halo_service.files import folder_lock
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.geometry.surface import Surface
-from halo_service.profile import Background, Correction, HeldState, Profile, TouchStates
+from halo_service.profile import Background, Correction, Profile, TouchState, TouchStates
 from halo_service.profile.store import load, profile_path, require_fit, save
 from halo_service.virtual.camera import factory
 
@@ -30,7 +30,7 @@ def profile() -> Profile:
         rng.uniform(0, 1, (6, 8)) > 0.2,
     )
     states = TouchStates(
-        *(HeldState(100.0 * n, 10.0 / n, 25.0 * n) for n in range(1, 5)), 6.0, 13.0
+        *(TouchState(100.0 * n, 10.0 / n, 25.0 * n) for n in range(1, 5)), 6.0, 13.0
     )
     return Profile("desk", camera, Surface("table", 300.0, 200.0, np.eye(4)), background, states, 3)
 

@@ -37,7 +37,7 @@ SADDLE = 0.09
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class DetectedBoard:
     """The points of a board that a picture shows."""
 
     board: Points
@@ -50,7 +50,7 @@ class Seen:
     """Numbers on the board that were not seen."""
 
 
-def detect(picture: Picture, board: Board) -> Seen:
+def detect(picture: Picture, board: Board) -> DetectedBoard:
     """Find a board in an (h, w) or (h, w, 3) uint8 picture; what is not there is `missing`."""
     grey = grey_of(picture)
     return _printed(grey, board) if isinstance(board, Printed) else _projected(grey, board)
@@ -63,7 +63,7 @@ def grey_of(picture: Picture) -> Picture:
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
-def _printed(grey: Picture, board: Printed) -> Seen:
+def _printed(grey: Picture, board: Printed) -> DetectedBoard:
     family = board.family
     detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(family.dictionary))
     quads, ids, _ = detector.detectMarkers(grey)
@@ -73,7 +73,7 @@ def _printed(grey: Picture, board: Printed) -> Seen:
         found[marker] = np.empty((0, 2)) if marker in found else _refined(grey, quad[0], family)
     known = [marker for marker in board.middles_mm if len(found.get(marker, ())) == 4]
     nothing = [np.empty((0, 2))]
-    return Seen(
+    return DetectedBoard(
         np.concatenate([board.corners(marker) for marker in known] or nothing),
         np.concatenate([found[marker] for marker in known] or nothing),
         tuple(marker for marker in known for _ in range(4)),
@@ -81,19 +81,19 @@ def _printed(grey: Picture, board: Printed) -> Seen:
     )
 
 
-def _projected(grey: Picture, board: Projected) -> Seen:
+def _projected(grey: Picture, board: Projected) -> DetectedBoard:
     detector = cv2.aruco.CharucoDetector(board.grid)
     corners, ids, _, _ = detector.detectBoard(grey)
     numbers = [] if ids is None else ids.ravel().tolist()
     missing = tuple(n for n in range(len(board.points_px)) if n not in numbers)
     if not numbers:
-        return Seen(np.empty((0, 2)), np.empty((0, 2)), (), missing)
+        return DetectedBoard(np.empty((0, 2)), np.empty((0, 2)), (), missing)
     rough = np.asarray(corners, dtype=np.float32).reshape(-1, 1, 2) - np.float32(0.5)
     half = max(2, round(SADDLE * _spacing(rough.reshape(-1, 2), board.points_px[numbers], board)))
     until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 0.001)
     fine = cv2.cornerSubPix(grey, rough, (half, half), (-1, -1), until)
     places = np.asarray(fine, dtype=np.float64).reshape(-1, 2)
-    return Seen(board.points_px[numbers], places, tuple(numbers), missing)
+    return DetectedBoard(board.points_px[numbers], places, tuple(numbers), missing)
 
 
 def _spacing(seen: Points, on_board: Points, board: Projected) -> float:

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from halo_calibration.boards.board import Board, Picture, Printed
-from halo_calibration.boards.detect import Seen, detect, grey_of
+from halo_calibration.boards.detect import DetectedBoard, detect, grey_of
 from halo_calibration.errors import Refused
 from halo_calibration.image_places import largest, place
 
@@ -33,7 +33,7 @@ SOFT = 0.2
 """Steepest slope over contrast, per px: an edge in focus has 0.5, one blurred by 2 px 0.2."""
 
 
-def require_seen(seen: Seen, picture: Picture, board: Board) -> None:
+def require_seen(seen: DetectedBoard, picture: Picture, board: Board) -> None:
     """Raise `Refused` where a picture shows too little of a board to go on with."""
     if isinstance(board, Printed):
         enough = len(seen.missing) <= (1.0 - LEAST_SHARE) * len(board.middles_mm)
@@ -43,7 +43,7 @@ def require_seen(seen: Seen, picture: Picture, board: Board) -> None:
         raise Refused(explain(seen, picture, board))
 
 
-def explain(seen: Seen, picture: Picture, board: Board) -> str:
+def explain(seen: DetectedBoard, picture: Picture, board: Board) -> str:
     """Say why so little of the board is seen, the likeliest reason first."""
     grey, printed = grey_of(picture), isinstance(board, Printed)
     mirrored = detect(np.ascontiguousarray(grey[:, ::-1]), board)
@@ -68,7 +68,7 @@ def explain(seen: Seen, picture: Picture, board: Board) -> str:
     return _hidden(seen, board)
 
 
-def _hidden(seen: Seen, board: Board) -> str:
+def _hidden(seen: DetectedBoard, board: Board) -> str:
     if not seen.numbers:
         what = (
             "put it flat in the middle of"
@@ -87,7 +87,7 @@ def _hidden(seen: Seen, board: Board) -> str:
     )
 
 
-def _hidden_at(seen: Seen, board: Board) -> str:
+def _hidden_at(seen: DetectedBoard, board: Board) -> str:
     """Say where on the board the missing marks lie, as one reads it."""
     if isinstance(board, Printed):
         corners = np.concatenate([board.corners(marker) for marker in board.middles_mm])

@@ -1,4 +1,4 @@
-"""Guided calibration: a person is told what to do, sees the signal, and may try again.
+"""GuidedCalibration calibration: a person is told what to do, sees the signal, and may try again.
 
 Rule: the order of things and the words. What is seen becomes a profile in `steps`.
 """
@@ -13,8 +13,8 @@ from halo_calibration.boards.board import Printed
 from halo_calibration.errors import NO_HALO, Refused
 from halo_calibration.observe import Look, Observation, Observer
 from halo_calibration.solvers.background import WANTED_FRAMES
-from halo_calibration.solvers.sweep import SWEEP_S, Swept, covered, draw_map, samples_of
-from halo_calibration.solvers.touch import HOLD_S, STATES, Held, judge_held
+from halo_calibration.solvers.sweep import SWEEP_S, SweepObservations, covered, draw_map, samples_of
+from halo_calibration.solvers.touch import HOLD_S, STATES, HoldObservations, check_hold
 from halo_calibration.steps import Change, Setup
 from halo_calibration.steps.session import Session
 from halo_service.profile import Profile
@@ -28,7 +28,7 @@ READY_S = 3.0
 T = TypeVar("T")
 
 
-class Cue(NamedTuple):
+class Prompt(NamedTuple):
     """What the person shall do now; a virtual user takes it by its name."""
 
     name: str
@@ -45,18 +45,18 @@ class Cue(NamedTuple):
     """What lies on the table."""
 
 
-CUES = {
-    "background": Cue("background", "Clear the surface: no hands, nothing that moves in view."),
-    "hover": Cue(
+PROMPTS = {
+    "background": Prompt("background", "Clear the surface: no hands, nothing that moves in view."),
+    "hover": Prompt(
         "hover",
         "HOVER: hold the index finger 10 mm above the middle of the surface, where the halo just "
         "shows (resting on a peg, if you have one, that is narrower than the fingertip), the other "
         "fingers curled.",
     ),
-    "subtle": Cue("subtle", "SUBTLE: as near as you can without touching, about 1 mm above."),
-    "touch": Cue("touch", "TOUCH: let the fingertip rest on the surface, relaxed."),
-    "pressure": Cue("pressure", "PRESSURE: press down with medium force."),
-    "sweep": Cue(
+    "subtle": Prompt("subtle", "SUBTLE: as near as you can without touching, about 1 mm above."),
+    "touch": Prompt("touch", "TOUCH: let the fingertip rest on the surface, relaxed."),
+    "pressure": Prompt("pressure", "PRESSURE: press down with medium force."),
+    "sweep": Prompt(
         "sweep",
         "SWEEP: rest the finger on the 45 degree wedge, its tip on the surface, and draw it over "
         "the whole surface, out to the edges, turning it a little to both sides.",
@@ -67,7 +67,7 @@ CUES = {
 class Guide(Protocol):
     """How the person is told: a terminal, or nobody."""
 
-    def tell(self, cue: Cue) -> None:
+    def tell(self, cue: Prompt) -> None:
         """Say what to do now."""
 
     def say(self, words: str) -> None:
@@ -80,7 +80,7 @@ class Guide(Protocol):
         """Show what of the surface is covered."""
 
 
-class Guided:
+class GuidedCalibration:
     """One guided calibration."""
 
     def __init__(
@@ -104,7 +104,7 @@ class Guided:
         look = self._look_with(None)
 
         def attempt() -> Change:
-            self.guide.tell(CUES["background"])
+            self.guide.tell(PROMPTS["background"])
             for _ in self.timed("background", READY_S):
                 self.guide.live(self.left_s, False, None)
             frames = []
@@ -120,14 +120,14 @@ class Guided:
         more where they overlap."""
         observer = self.observer(profile)
 
-        def one(state: str) -> Held:
+        def one(state: str) -> HoldObservations:
             held = self._held(state, observer)
-            judge_held(held)
+            check_hold(held)
             return held
 
         def attempt() -> Change:
-            helds = {state: self.until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
-            return steps.touch_change(self.setup, helds)
+            holds = {state: self.until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
+            return steps.touch_change(self.setup, holds)
 
         return self.until_good(attempt)
 
@@ -136,12 +136,14 @@ class Guided:
         observer = self.observer(profile)
 
         def attempt() -> Change:
-            swept = self.swept(CUES["sweep"], SWEEP_S, observer, profile)
+            swept = self.swept(PROMPTS["sweep"], SWEEP_S, observer, profile)
             return steps.sweep_change(self.setup, swept, profile)
 
         return self.until_good(attempt)
 
-    def swept(self, cue: Cue, seconds: float, observer: Observer, profile: Profile) -> Swept:
+    def swept(
+        self, cue: Prompt, seconds: float, observer: Observer, profile: Profile
+    ) -> SweepObservations:
         """Let the person sweep once, with the live map of what is covered."""
         self.guide.tell(cue)
         self._ready(cue.name, observer)
@@ -161,8 +163,8 @@ class Guided:
         setup = self.setup
         return Observer(profile, self._look_with(profile), setup.settings, setup.side)
 
-    def _held(self, state: str, observer: Observer) -> Held:
-        self.guide.tell(CUES[state])
+    def _held(self, state: str, observer: Observer) -> HoldObservations:
+        self.guide.tell(PROMPTS[state])
         self._ready(state, observer)
         wanted = self.session.wanted(self._hold_s)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from halo_calibration.errors import Refused
-from halo_calibration.guided.guide import Cue, Guided
+from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.observe import Observer
 from halo_calibration.solvers.correction import Base, relative
 from halo_calibration.solvers.sweep import LIFTED, Samples, samples_of
@@ -27,7 +27,7 @@ LEAST_SAMPLES = 40
 
 
 def pilot_rounds(
-    guided: Guided,
+    guided: GuidedCalibration,
     observer: Observer,
     profile: Profile,
     *,
@@ -41,7 +41,7 @@ def pilot_rounds(
                 f"ROUND {number + 1} of {rounds}, WEDGE {angle:.0f} DEGREES: rest the finger on "
                 f"it and draw it over the whole surface for {round_s:.0f} s, turning it a little."
             )
-            swept = guided.swept(Cue("pilot", words, angle), round_s, observer, profile)
+            swept = guided.swept(Prompt("pilot", words, angle), round_s, observer, profile)
             require_frames(f"wedge {angle:.0f}", swept.wanted, swept.came)
             yield angle, usable(samples_of(swept.seen), angle)
 

@@ -1,4 +1,4 @@
-"""Guided steps that tell where things are: surface and anchor.
+"""GuidedCalibration steps that tell where things are: surface and anchor.
 
 Rule: as `guided`: the order of things and the words. Something is laid or shown, the camera looks
 at it for a second, and what it saw is judged.
@@ -13,7 +13,7 @@ import numpy as np
 from halo_calibration.boards.board import SHEET, Board, Printed
 from halo_calibration.boards.detect import detect
 from halo_calibration.errors import Refused
-from halo_calibration.guided.guide import READY_S, Cue, Guided
+from halo_calibration.guided.guide import READY_S, GuidedCalibration, Prompt
 from halo_calibration.solvers.dwell import Place, dwells_for
 from halo_calibration.solvers.rigid2d import TOUCHES, steady
 from halo_calibration.solvers.surface import CORNERS
@@ -35,12 +35,12 @@ TOUCH_S = 30.0
 class GuidedPlace:
     """Surface and anchor with a person at hand, and what the projector shares with them."""
 
-    def __init__(self, guided: Guided) -> None:
+    def __init__(self, guided: GuidedCalibration) -> None:
         self._guided = guided
 
     def sheet(self, profile: Profile, width_mm: float, height_mm: float) -> Change:
         """Lay the surface around the printed sheet."""
-        cue = Cue(
+        cue = Prompt(
             "sheet",
             "SHEET: lay the printed surface sheet flat in the middle of your area, its upper edge "
             "away from you, and take your hands away.",
@@ -56,7 +56,7 @@ class GuidedPlace:
 
     def marker(self, profile: Profile, marker: Printed) -> Change:
         """Take the pose of a printed marker."""
-        cue = Cue(
+        cue = Prompt(
             "marker",
             f"MARKER: fix {marker.name} where it shall stay, in the camera's view, and take your "
             f"hands away.",
@@ -71,7 +71,7 @@ class GuidedPlace:
     def corners(self, profile: Profile) -> Change:
         """Lay the surface between four touched corners."""
         cues = [
-            Cue(
+            Prompt(
                 "corner",
                 f"CORNER: touch the {name} corner of your area with the index finger, rest there "
                 f"for half a second, lift it by a hand's width, {TOUCHES} times.",
@@ -86,7 +86,7 @@ class GuidedPlace:
         )
 
     def _printed(
-        self, cue: Cue, board: Printed, judge: Callable[[Sequence[Frame]], Change]
+        self, cue: Prompt, board: Printed, judge: Callable[[Sequence[Frame]], Change]
     ) -> Change:
         def attempt() -> Change:
             self._guided.guide.tell(cue)
@@ -97,7 +97,7 @@ class GuidedPlace:
 
     def touched(
         self,
-        cues: Sequence[Cue],
+        cues: Sequence[Prompt],
         profile: Profile,
         before: Callable[[int], None] = lambda number: None,
     ) -> list[list[Place]]:

@@ -16,7 +16,7 @@ from halo_calibration.boards.board import Picture, Projected, crosses
 from halo_calibration.boards.detect import detect
 from halo_calibration.boards.graycode import count, patterns
 from halo_calibration.errors import Refused
-from halo_calibration.guided.guide import Cue, Guided
+from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.guided.place import LOOK_S, GuidedPlace
 from halo_calibration.solvers.projector import CROSSES
 from halo_calibration.solvers.rigid2d import TOUCHES
@@ -56,7 +56,10 @@ class GuidedProjector:
     """The projector with a person at hand."""
 
     def __init__(
-        self, guided: Guided, screen: Screen, expose: Callable[[float | None], None] | None = None
+        self,
+        guided: GuidedCalibration,
+        screen: Screen,
+        expose: Callable[[float | None], None] | None = None,
     ) -> None:
         """`expose` sets the colour camera's exposure in ms; None where that cannot be."""
         self._guided = guided
@@ -104,7 +107,7 @@ class GuidedProjector:
         is not."""
         board = Projected(*self._screen.size_px)
         self._screen.show(_coloured(board.picture()))
-        self._guided.guide.tell(Cue("board", words))
+        self._guided.guide.tell(Prompt("board", words))
         self._place.ready("board", board)
         self._find_exposure(board)
         return board
@@ -112,7 +115,7 @@ class GuidedProjector:
     def _by_crosses(self, profile: Profile) -> Change:
         places = crosses(*self._screen.size_px)
         cues = [
-            Cue(
+            Prompt(
                 "cross",
                 f"CROSS: touch the {name} cross in its middle with the index finger, rest there "
                 f"for half a second, lift it by a hand's width, {TOUCHES} times.",

@@ -12,7 +12,7 @@ from halo_calibration.boards.board import ANCHOR, Projected, anchor, crosses
 from halo_calibration.boards.graycode import count
 from halo_calibration.errors import Refused
 from halo_calibration.observe import Observer
-from halo_calibration.scripted.script import Line
+from halo_calibration.scripted.script import ScriptStep
 from halo_calibration.solvers.dwell import Place, dwells_for, touches
 from halo_calibration.solvers.rigid2d import TOUCHES
 from halo_calibration.solvers.surface import CORNERS
@@ -22,7 +22,7 @@ from halo_calibration.steps.place import View, colour_view
 from halo_service.profile import Profile
 from halo_service.values import Frame
 
-PLACED = ("surface", "projector", "anchor")
+PLACE_STEPS = ("surface", "projector", "anchor")
 """The steps that are taken here."""
 LOOKED_AT = 60
 """Frames of a board that are averaged at most: more make the picture no clearer."""
@@ -30,13 +30,19 @@ MIDDLE = (0.5, 0.9)
 """Part of a stripe picture's time in which it is surely shown: a projector and the camera are late
 by a quarter of a second."""
 
-Eye = Callable[[Profile], Observer]
+ObserverFor = Callable[[Profile], Observer]
 
 
-def placed(setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye) -> Change:
-    """Take one step. `eye` gives what finds fingers over a profile's surface. Raises `Refused`."""
+def place_change(
+    setup: Setup,
+    line: ScriptStep,
+    frames: Iterable[Frame],
+    profile: Profile,
+    observer_for: ObserverFor,
+) -> Change:
+    """Take one step. `observer_for` gives an observer for a profile. Raises `Refused`."""
     if line.step == "surface":
-        return _surface(setup, line, frames, profile, eye)
+        return _surface(setup, line, frames, profile, observer_for)
     if line.step == "anchor":
         marker = anchor(
             line.words.get("family", ANCHOR.family.name),
@@ -44,11 +50,15 @@ def placed(setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, 
             line.fields.get("size_mm", ANCHOR.size_mm),
         )
         return place_steps.anchor_change(setup, list(islice(frames, LOOKED_AT)), profile, marker)
-    return _projector(setup, line, frames, profile, eye)
+    return _projector(setup, line, frames, profile, observer_for)
 
 
 def _surface(
-    setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye
+    setup: Setup,
+    line: ScriptStep,
+    frames: Iterable[Frame],
+    profile: Profile,
+    observer_for: ObserverFor,
 ) -> Change:
     by = line.words.get("by", "view")
     if by == "view":
@@ -56,12 +66,16 @@ def _surface(
     if by == "markers":
         looked = list(islice(frames, LOOKED_AT))
         return place_steps.sheet_change(setup, looked, profile, **line.fields)
-    corners = _touched(frames, profile, eye(profile), len(CORNERS), "corners")
+    corners = _touched(frames, profile, observer_for(profile), len(CORNERS), "corners")
     return place_steps.corners_change(setup, corners, profile)
 
 
 def _projector(
-    setup: Setup, line: Line, frames: Iterable[Frame], profile: Profile, eye: Eye
+    setup: Setup,
+    line: ScriptStep,
+    frames: Iterable[Frame],
+    profile: Profile,
+    observer_for: ObserverFor,
 ) -> Change:
     size_px = int(line.fields["width_px"]), int(line.fields["height_px"])
     by = line.words.get("by", "markers")
@@ -72,7 +86,7 @@ def _projector(
         each_s = (line.to_s - line.from_s) / count(*size_px)
         views = list(_views(frames, setup, each_s, count(*size_px)))
         return place_steps.stripes_change(setup, views, profile, size_px)
-    touched = _touched(frames, profile, eye(profile), len(crosses(*size_px)), "crosses")
+    touched = _touched(frames, profile, observer_for(profile), len(crosses(*size_px)), "crosses")
     return place_steps.crosses_change(setup, touched, profile, size_px)
 
 

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 from halo_calibration import steps
 from halo_calibration.observe import Look, Observation, Observer
-from halo_calibration.scripted.place import PLACED, placed
-from halo_calibration.scripted.script import Line, stated_in
-from halo_calibration.solvers.touch import STATES, Held, judge_held
+from halo_calibration.scripted.place import PLACE_STEPS, place_change
+from halo_calibration.scripted.script import ScriptStep, state_values_in
+from halo_calibration.solvers.touch import STATES, HoldObservations, check_hold
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
 from halo_service.profile import Profile
 
 
-class Scripted:
+class ScriptedCalibration:
     """Does all that a script names, anew."""
 
     def __init__(
@@ -30,49 +30,51 @@ class Scripted:
         self._session = session
         self._look_with = look_with
         self._say = say
-        self._helds: dict[str, Held] = {}
+        self._helds: dict[str, HoldObservations] = {}
         self._observer: Observer | None = None
 
-    def run(self, lines: tuple[Line, ...], profile: Profile | None = None) -> Profile:
+    def run(self, lines: tuple[ScriptStep, ...], profile: Profile | None = None) -> Profile:
         """Return the profile; `profile` is what is kept where the script says nothing.
 
         Raises `Refused` with the first sentence that applies.
         """
-        self._setup = replace(self._setup, stated=stated_in(lines, self._setup.stated))
+        self._setup = replace(
+            self._setup, state_values=state_values_in(lines, self._setup.state_values)
+        )
         for line in lines:
             profile = self._take(line, profile)
         assert profile is not None  # a script names a step, and each makes or needs a profile
         return profile
 
-    def _take(self, line: Line, profile: Profile | None) -> Profile:
+    def _take(self, line: ScriptStep, profile: Profile | None) -> Profile:
         step, setup = line.step, self._setup
         frames = self._session.between(line.from_s, line.to_s, step)
         wanted = self._session.wanted(line.to_s - line.from_s)
         if step == "background":
             change = steps.background_change(setup, list(frames), self._look_with(None))
             self._observer = None
-        elif step in PLACED:
+        elif step in PLACE_STEPS:
             known = steps.require(profile, step)
-            change = placed(setup, line, frames, known, self._eye)
+            change = place_change(setup, line, frames, known, self._observer_for)
             if step == "surface":
                 self._observer = None  # it told places in the old frame
         elif step in STATES:
             known = steps.require(profile, step)
-            held = steps.watch_hold(step, frames, wanted, self._eye(known), _nobody)
-            judge_held(held)  # refused at once where it is no good
+            held = steps.watch_hold(step, frames, wanted, self._observer_for(known), _ignore)
+            check_hold(held)  # refused at once where it is no good
             self._helds[step] = held
             if len(self._helds) < len(STATES):
                 return known
             change = steps.touch_change(setup, self._helds)
         else:
             known = steps.require(profile, step)
-            swept = steps.watch_sweep(frames, wanted, self._eye(known), _nobody)
+            swept = steps.watch_sweep(frames, wanted, self._observer_for(known), _ignore)
             change = steps.sweep_change(setup, swept, known)
         profile = change(profile)
         self._say(f"{step}: done" if step not in STATES else "touch: done")
         return profile
 
-    def _eye(self, profile: Profile) -> Observer:
+    def _observer_for(self, profile: Profile) -> Observer:
         """Return one observer for all steps over the same background."""
         if self._observer is None:
             look, settings = self._look_with(profile), self._setup.settings
@@ -80,5 +82,5 @@ class Scripted:
         return self._observer
 
 
-def _nobody(observation: Observation | None) -> None:
+def _ignore(observation: Observation | None) -> None:
     """Nobody watches a recording."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from halo_calibration.boards.board import FAMILIES
-from halo_calibration.solvers.touch import STATES, Stated
+from halo_calibration.solvers.touch import STATES, StateValues
 from halo_service.errors import UserError
 
 NEEDED = ("step", "from_s", "to_s")
@@ -39,7 +39,7 @@ WORDS: dict[tuple[str, str], tuple[str, ...]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ScriptStep:
     """One step of a script."""
 
     step: str
@@ -51,7 +51,7 @@ class Line:
     """And those that are words."""
 
 
-def read_script(path: Path) -> tuple[Line, ...]:
+def read_script(path: Path) -> tuple[ScriptStep, ...]:
     """Read a script, earliest step first. Raises `UserError` for anything that is none."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
@@ -60,7 +60,7 @@ def read_script(path: Path) -> tuple[Line, ...]:
     return parse_script(data, str(path))
 
 
-def parse_script(data: Any, name: str) -> tuple[Line, ...]:
+def parse_script(data: Any, name: str) -> tuple[ScriptStep, ...]:
     """Check a script's content; `name` stands in the errors."""
     if not isinstance(data, list) or not data:
         raise UserError(f'the script {name} must be a list of steps: [{{"step": ...}}, ...]')
@@ -80,14 +80,14 @@ def parse_script(data: Any, name: str) -> tuple[Line, ...]:
     return tuple(lines)
 
 
-def stated_in(lines: tuple[Line, ...], otherwise: Stated) -> Stated:
+def state_values_in(lines: tuple[ScriptStep, ...], otherwise: StateValues) -> StateValues:
     """Return the heights and forces that a script states, else those given otherwise."""
     said = {line.step: line.fields for line in lines}
 
     def of(step: str, field: str, other: float | None) -> float | None:
         return said.get(step, {}).get(field, other)
 
-    return Stated(
+    return StateValues(
         of("hover", "height_mm", otherwise.hover_mm),
         of("subtle", "height_mm", otherwise.subtle_mm),
         of("touch", "force_g", otherwise.touch_g),
@@ -95,7 +95,7 @@ def stated_in(lines: tuple[Line, ...], otherwise: Stated) -> Stated:
     )
 
 
-def _line(data: Any, name: str) -> Line:
+def _line(data: Any, name: str) -> ScriptStep:
     if not isinstance(data, dict) or not all(key in data for key in NEEDED):
         raise UserError(f"the script {name}: each step needs {', '.join(NEEDED)}; got {data!r}")
     step = data["step"]
@@ -118,7 +118,7 @@ def _line(data: Any, name: str) -> Line:
         )
     if not 0.0 <= from_s < to_s:
         raise UserError(f"the script {name}: '{step}' must end after it begins, from 0 s on")
-    return Line(step, from_s, to_s, numbers, words)
+    return ScriptStep(step, from_s, to_s, numbers, words)
 
 
 def _word(value: Any, key: str, step: str, name: str) -> str:

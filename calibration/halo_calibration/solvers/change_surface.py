@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from halo_calibration.solvers.correction import Base, Reference, solve_correction
 from halo_calibration.solvers.touch import corrected
 from halo_service.geometry.surface import Surface
-from halo_service.profile import Correction, HeldState, Profile, Projector, TouchStates
+from halo_service.profile import Correction, Profile, Projector, TouchState, TouchStates
 
 Matrix = NDArray[np.float64]
 
 
-def relaid(profile: Profile, surface: Surface, base: Base | None) -> Profile:
+def moved_to(profile: Profile, surface: Surface, base: Base | None) -> Profile:
     """Return the profile with another surface on its plane.
 
     Places and directions of the touches and of the sweep, the projector and the anchor keep
@@ -63,7 +63,7 @@ def _fitted(
 
 
 def _states(states: TouchStates, new_from_old: Matrix) -> TouchStates:
-    def held(state: HeldState) -> HeldState:
+    def held(state: TouchState) -> TouchState:
         ((x_mm, y_mm),) = _places(new_from_old, np.array([[state.x_mm, state.y_mm]])).tolist()
         yaw_deg = state.yaw_deg + _turn_deg(new_from_old)
         return replace(state, x_mm=x_mm, y_mm=y_mm, yaw_deg=yaw_deg)

@@ -115,7 +115,7 @@ def solve_correction(
     )
 
 
-def judge_correction(surface: Surface, base: Base | None, samples: Samples) -> Fit:
+def cross_validate(surface: Surface, base: Base | None, samples: Samples) -> Fit:
     """Hold every fifth half second out, fit on the rest, and see what variation is left."""
     block = np.arange(len(samples)) // BLOCK
     out = block % HELD_OUT == HELD_OUT - 1

@@ -33,7 +33,7 @@ DOF = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solved:
+class HomographyFit:
     """A projector's homography, and how well the points agree with it."""
 
     projector: Projector
@@ -54,7 +54,7 @@ class Solved:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
+class PointPairs:
     """What one way of looking knows."""
 
     surface: Points
@@ -66,7 +66,9 @@ class Known:
     """(M, 2) px of all points there were to be seen."""
 
 
-def solve(known: Known, size: tuple[int, int], surface: Surface, outlier_px: float) -> Solved:
+def solve(
+    known: PointPairs, size: tuple[int, int], surface: Surface, outlier_px: float
+) -> HomographyFit:
     """Fit a projector's picture of a size in px to points. Raises `Refused`.
 
     `outlier_px`: what lies farther from the fit takes no part in it.
@@ -81,7 +83,7 @@ def solve(known: Known, size: tuple[int, int], surface: Surface, outlier_px: flo
     off_px = np.linalg.norm(mapped(matrix, here) - there, axis=1)
     off_mm = np.linalg.norm(mapped(np.linalg.inv(matrix), there) - here, axis=1)
     free = max(int(np.count_nonzero(used)) - DOF, 1)
-    return Solved(
+    return HomographyFit(
         Projector(size[0], size[1], matrix),
         error_px=float(np.sqrt(np.sum(off_px[used] ** 2) / free)),
         error_mm=float(np.sqrt(np.sum(off_mm[used] ** 2) / free)),
@@ -118,7 +120,7 @@ def _robust(
     return matrix / matrix[2, 2], used
 
 
-def _contradiction(known: Known, used: NDArray[np.bool_], outlier_px: float) -> str:
+def _contradiction(known: PointPairs, used: NDArray[np.bool_], outlier_px: float) -> str:
     """Say why the points make no picture."""
     _, mirrored = _robust(known.surface, known.projector * (-1.0, 1.0), outlier_px)
     if np.mean(mirrored) >= LEAST_INLIERS:
@@ -134,7 +136,7 @@ def _contradiction(known: Known, used: NDArray[np.bool_], outlier_px: float) -> 
     )
 
 
-def _left_out(known: Known, used: NDArray[np.bool_]) -> tuple[str, ...]:
+def _left_out(known: PointPairs, used: NDArray[np.bool_]) -> tuple[str, ...]:
     return tuple(name for name, good in zip(known.names, used, strict=True) if not good)
 
 
@@ -158,7 +160,7 @@ def _require_spread(points: Points) -> None:
         )
 
 
-def _covered(matrix: Points, known: Known, seen: Points, surface: Surface) -> float:
+def _covered(matrix: Points, known: PointPairs, seen: Points, surface: Surface) -> float:
     """Share of the surface under all that was offered, over which points were seen."""
     across, down = np.meshgrid(np.linspace(0.0, 1.0, 61), np.linspace(0.0, 1.0, 41))
     shares = np.column_stack([across.ravel(), down.ravel()])

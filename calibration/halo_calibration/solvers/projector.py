@@ -12,12 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from halo_calibration.boards.board import SQUARE, Picture, Projected, crosses
-from halo_calibration.boards.detect import Seen, detect
+from halo_calibration.boards.detect import DetectedBoard, detect
 from halo_calibration.boards.graycode import Decoded
 from halo_calibration.boards.hints import require_seen
 from halo_calibration.errors import Refused
 from halo_calibration.image_places import place
-from halo_calibration.solvers.homography import Known, Solved, mapped, solve
+from halo_calibration.solvers.homography import HomographyFit, PointPairs, mapped, solve
 from halo_calibration.solvers.rigid2d import steady
 from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface
@@ -38,7 +38,7 @@ CROSSES = tuple(
 
 def projector_by_markers(
     picture: Picture, board: Projected, lens: Lens, lens_from_camera: Points, surface: Surface
-) -> Solved:
+) -> HomographyFit:
     """Solve from one picture of the projected ChArUco board. Raises `Refused`.
 
     `picture`: (h, w) or (h, w, 3) uint8 through `lens`; `lens_from_camera`: (4, 4) mm from the
@@ -50,10 +50,10 @@ def projector_by_markers(
 
 
 def projector_of(
-    seen: Seen, board: Projected, lens: Lens, lens_from_camera: Points, surface: Surface
-) -> Solved:
+    seen: DetectedBoard, board: Projected, lens: Lens, lens_from_camera: Points, surface: Surface
+) -> HomographyFit:
     """Solve from the board's points, once they were seen. Raises `Refused`."""
-    known = Known(
+    known = PointPairs(
         surface.seen_at(seen.picture, lens, lens_from_camera),
         seen.board,
         [f"corner {number}" for number in seen.numbers],
@@ -75,10 +75,10 @@ def projector_of(
 
 def projector_by_gray_code(
     decoded: Decoded, lens: Lens, lens_from_camera: Points, surface: Surface
-) -> Solved:
+) -> HomographyFit:
     """Solve from decoded Gray code pictures, taken through `lens`. Raises `Refused`."""
     size = decoded.width_px, decoded.height_px
-    known = Known(
+    known = PointPairs(
         surface.seen_at(decoded.picture, lens, lens_from_camera),
         decoded.projector,
         [f"{x:.0f}, {y:.0f}" for x, y in decoded.projector],
@@ -96,14 +96,14 @@ def projector_by_gray_code(
 
 def projector_by_touches(
     touches: Sequence[Points], width_px: int, height_px: int, surface: Surface
-) -> Solved:
+) -> HomographyFit:
     """Solve from nine projected `crosses`, each touched three times. Raises `Refused`.
 
     `touches`: nine times (N, 2) mm on the surface, in the order of `crosses`.
     """
     middles = [steady(f"the {name} cross", at) for name, at in zip(CROSSES, touches, strict=True)]
     places = crosses(width_px, height_px)
-    known = Known(np.array(middles), places, [f"the {name} cross" for name in CROSSES], places)
+    known = PointPairs(np.array(middles), places, [f"the {name} cross" for name in CROSSES], places)
     apart_mm = max(float(np.linalg.norm(np.std(middles, axis=0))), 1.0)
     px_per_mm = float(np.linalg.norm(np.std(places, axis=0))) / apart_mm
     solved = solve(known, (width_px, height_px), surface, OUTLIER_TOUCH_MM * px_per_mm)

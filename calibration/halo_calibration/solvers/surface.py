@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_calibration.boards.board import SHEET, Picture
-from halo_calibration.boards.detect import Seen, detect
+from halo_calibration.boards.detect import DetectedBoard, detect
 from halo_calibration.boards.hints import require_seen
 from halo_calibration.errors import Refused
 from halo_calibration.solvers.rigid2d import fit_rigid, steady
@@ -34,7 +34,7 @@ SIZE_MM = (60.0, 2000.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Laid:
+class SurfaceFit:
     """A surface, and how well what was seen agrees with it."""
 
     surface: Surface
@@ -55,7 +55,7 @@ def surface_by_markers(
     plane: Surface,
     width_mm: float = 300.0,
     height_mm: float = 200.0,
-) -> Laid:
+) -> SurfaceFit:
     """Lay a surface of a size around the middle of the printed sheet.
 
     `picture`: (h, w) or (h, w, 3) uint8 through `lens`; `lens_from_camera`: (4, 4) mm from the
@@ -67,13 +67,13 @@ def surface_by_markers(
 
 
 def surface_of(
-    seen: Seen,
+    seen: DetectedBoard,
     lens: Lens,
     lens_from_camera: Points,
     plane: Surface,
     width_mm: float,
     height_mm: float,
-) -> Laid:
+) -> SurfaceFit:
     """Lay a surface around the sheet's middle, once the sheet was seen. Raises `Refused`."""
     check_size(width_mm, height_mm)
     places = plane.seen_at(seen.picture, lens, lens_from_camera)
@@ -96,10 +96,10 @@ def surface_of(
     sheet = seen.board - corner[:2, 2]
     off_px = surface.in_picture(sheet, lens, lens_from_camera) - seen.picture
     error_px = _rms(np.linalg.norm(off_px, axis=1))
-    return Laid(surface, error_mm, error_px, rigid.off_mm, rigid.scale)
+    return SurfaceFit(surface, error_mm, error_px, rigid.off_mm, rigid.scale)
 
 
-def surface_by_touches(touches: Sequence[Points], plane: Surface) -> Laid:
+def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
     """Lay the rectangle whose corners were touched: far left, far right, near right, near left.
 
     `touches`: four times (N, 2) mm in the frame of `plane`, three touches or more each.
@@ -131,7 +131,7 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> Laid:
             f"{rigid.off_mm[worst]:.0f} mm): touch them again, each at the same mark"
         )
     surface = plane.moved(rigid.there_from_here, width_mm, height_mm)
-    return Laid(surface, _rms(rigid.off_mm), float("nan"), rigid.off_mm, 1.0)
+    return SurfaceFit(surface, _rms(rigid.off_mm), float("nan"), rigid.off_mm, 1.0)
 
 
 def check_size(width_mm: float, height_mm: float) -> None:

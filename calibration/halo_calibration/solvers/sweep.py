@@ -34,7 +34,7 @@ dent was hidden."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Swept:
+class SweepObservations:
     """What was seen during a sweep."""
 
     wanted: int
@@ -62,7 +62,7 @@ def covered(samples: Samples, surface: Surface) -> NDArray[np.int_]:
     return np.asarray(counts, dtype=np.int_)
 
 
-def judge_sweep(swept: Swept, surface: Surface, step: str = "sweep") -> Samples:
+def check_sweep(swept: SweepObservations, surface: Surface, step: str = "sweep") -> Samples:
     """Return the usable samples; raises `Refused` where they are too few or cover too little."""
     require_frames(step, swept.wanted, swept.came)
     require_seen(step, swept.came, len(swept.seen))

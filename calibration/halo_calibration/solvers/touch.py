@@ -11,7 +11,7 @@ import numpy as np
 
 from halo_calibration.errors import NO_HALO, Refused
 from halo_calibration.observe import THICKNESS_MM, Observation
-from halo_service.profile import Correction, HeldState, TouchStates
+from halo_service.profile import Correction, TouchState, TouchStates
 from halo_service.profile.model import Quality
 from halo_service.sensing.correction import dent_strength, strength
 from halo_service.sensing.fingertips import TIP_RADIUS_MM
@@ -41,7 +41,7 @@ DENT_FLOOR_MM = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class StateValues:
     """Heights and forces of the held states, and whether somebody measured them.
 
     Assumed, the heights are the paper's (4.3.5) and a relaxed touch is taken as 25 g; the force
@@ -65,7 +65,7 @@ class Stated:
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HoldObservations:
     """What was seen while one state was held."""
 
     state: str
@@ -89,7 +89,7 @@ class Middle:
     """90 % of the positions lie this near to their middle."""
 
 
-def judge_held(held: Held) -> Middle:
+def check_hold(held: HoldObservations) -> Middle:
     """Reduce one held state; raises `Refused` where it was not held still or not seen."""
     require_frames(held.state, held.wanted, held.came)
     require_seen(held.state, held.came, len(held.seen))
@@ -124,7 +124,7 @@ def require_seen(step: str, came: int, seen: int) -> None:
 
 
 def solve_touch(
-    helds: Mapping[str, Held], stated: Stated, correction: Correction | None
+    holds: Mapping[str, HoldObservations], state_values: StateValues, correction: Correction | None
 ) -> tuple[TouchStates, float, Quality]:
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
@@ -132,17 +132,17 @@ def solve_touch(
     Judged by the halo's signal. Where the dents tell the states apart less well they are left
     unknown in all four, so that the signal is read in their stead; the quality is then fair.
     """
-    middles = {state: judge_held(helds[state]) for state in STATES}
+    middles = {state: check_hold(holds[state]) for state in STATES}
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
         raise Refused(NO_HALO)
     apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
-    dents_mm = _dents(helds)
-    hover_mm = stated.of("hover")[0]
+    dents_mm = _dents(holds)
+    hover_mm = state_values.of("hover")[0]
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
-    seen = helds["hover"].seen
+    seen = holds["hover"].seen
     states = TouchStates(
         **{
-            state: _held_state(helds[state], middles[state], dents_mm[state], stated)
+            state: _held_state(holds[state], middles[state], dents_mm[state], state_values)
             for state in STATES
         },
         line_px_at_hover=float(np.median([each.line_px for each in seen])),
@@ -169,7 +169,7 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
     )
 
 
-def _through(held: HeldState, correction: Correction | None) -> HeldState:
+def _through(held: TouchState, correction: Correction | None) -> TouchState:
     if correction is None:
         return replace(held, signal=held.raw, deep_mm=held.deep_raw_mm)
     expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
@@ -177,9 +177,11 @@ def _through(held: HeldState, correction: Correction | None) -> HeldState:
     return replace(held, signal=held.raw / expected, deep_mm=held.deep_raw_mm / deep)
 
 
-def _held_state(held: Held, middle: Middle, deep_mm: float, stated: Stated) -> HeldState:
-    height_mm, force_g, given = stated.of(held.state)
-    return HeldState(
+def _held_state(
+    held: HoldObservations, middle: Middle, deep_mm: float, state_values: StateValues
+) -> TouchState:
+    height_mm, force_g, given = state_values.of(held.state)
+    return TouchState(
         signal=middle.signal,
         height_mm=height_mm,
         force_g=force_g,
@@ -194,14 +196,14 @@ def _held_state(held: Held, middle: Middle, deep_mm: float, stated: Stated) -> H
     )
 
 
-def _dents(helds: Mapping[str, Held]) -> dict[str, float]:
+def _dents(holds: Mapping[str, HoldObservations]) -> dict[str, float]:
     """Return the dent's median depth in each state, mm; 0, unknown, in all of them where one state
     hid it too often, or where two are not as far apart, in order, as signals must be.
     """
     read: dict[str, tuple[float, float]] = {}
     for state in STATES:
-        shown = [each.dent_mm for each in helds[state].seen if math.isfinite(each.dent_mm)]
-        if len(shown) < LEAST_SEEN * helds[state].came:
+        shown = [each.dent_mm for each in holds[state].seen if math.isfinite(each.dent_mm)]
+        if len(shown) < LEAST_SEEN * holds[state].came:
             return dict.fromkeys(STATES, 0.0)
         read[state] = _reading(shown, DENT_FLOOR_MM)
     if min(_sigmas(read[low], read[high]) for low, high in pairwise(STATES)) < APART_SIGMAS:

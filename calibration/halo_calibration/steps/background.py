@@ -10,7 +10,7 @@ import numpy as np
 from halo_calibration.errors import Refused
 from halo_calibration.observe import Look
 from halo_calibration.solvers.background import halo_threshold, solve_background
-from halo_calibration.solvers.change_surface import relaid
+from halo_calibration.solvers.change_surface import moved_to
 from halo_calibration.solvers.plane import Plane, solve_plane, surface_from_view
 from halo_calibration.solvers.surface import check_size
 from halo_calibration.steps.change import Change, Setup, require, rounded
@@ -68,7 +68,7 @@ def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200
         known = require(before, "surface")
         plane = solve_plane(known.background, setup.camera)
         return replace(
-            relaid(known, surface_from_view(plane, width_mm, height_mm), setup.base),
+            moved_to(known, surface_from_view(plane, width_mm, height_mm), setup.base),
             steps={**known.steps, "surface": _surface_record(setup, plane)},
         )
 

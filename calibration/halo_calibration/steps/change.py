@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from halo_calibration.errors import Refused
 from halo_calibration.observe import Observation, Observer
 from halo_calibration.solvers.correction import Base
-from halo_calibration.solvers.touch import Stated
+from halo_calibration.solvers.touch import StateValues
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.sensing.settings import SensingSettings
@@ -33,7 +33,7 @@ class Setup:
     date: str
     """When the frames were taken, ISO 8601 in UTC."""
     settings: SensingSettings = field(default_factory=SensingSettings)
-    stated: Stated = field(default_factory=Stated)
+    state_values: StateValues = field(default_factory=StateValues)
     base: Base | None = None
     side: Side = Side.UNKNOWN
     """Unknown: one set of touch parameters for all fingers; else for that hand alone."""

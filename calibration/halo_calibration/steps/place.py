@@ -16,15 +16,15 @@ from halo_calibration.boards.board import Picture, Printed, Projected
 from halo_calibration.boards.graycode import decode
 from halo_calibration.errors import Refused
 from halo_calibration.solvers.anchor import anchor_pose
-from halo_calibration.solvers.change_surface import relaid
+from halo_calibration.solvers.change_surface import moved_to
 from halo_calibration.solvers.dwell import Place
-from halo_calibration.solvers.homography import Solved
+from halo_calibration.solvers.homography import HomographyFit
 from halo_calibration.solvers.projector import (
     projector_by_gray_code,
     projector_by_markers,
     projector_by_touches,
 )
-from halo_calibration.solvers.surface import Laid, surface_by_markers, surface_by_touches
+from halo_calibration.solvers.surface import SurfaceFit, surface_by_markers, surface_by_touches
 from halo_calibration.steps import Change, Setup, require, rounded
 from halo_service.geometry.camera import Camera, Lens, Points
 from halo_service.hand_tracking.blend import toned
@@ -84,11 +84,11 @@ def sheet_change(
 ) -> Change:
     """Lay the surface around the printed sheet. Raises `Refused`."""
     view = sheet_view(frames, setup.camera)
-    laid = surface_by_markers(
+    fit = surface_by_markers(
         view.picture, view.lens, view.lens_from_camera, profile.surface, width_mm, height_mm
     )
-    figures = rounded(error_mm=laid.error_mm, error_px=laid.error_px, print_scale=laid.scale)
-    return _laid_change(setup, laid, figures, GOOD_SHEET_MM)
+    figures = rounded(error_mm=fit.error_mm, error_px=fit.error_px, print_scale=fit.scale)
+    return _surface_fit_change(setup, fit, figures, GOOD_SHEET_MM)
 
 
 def corners_change(setup: Setup, touches: Sequence[Sequence[Place]], profile: Profile) -> Change:
@@ -96,8 +96,8 @@ def corners_change(setup: Setup, touches: Sequence[Sequence[Place]], profile: Pr
 
     `touches`: in the frame of the profile's surface. Raises `Refused`.
     """
-    laid = surface_by_touches([np.array(each) for each in touches], profile.surface)
-    return _laid_change(setup, laid, rounded(error_mm=laid.error_mm), GOOD_CORNERS_MM)
+    fit = surface_by_touches([np.array(each) for each in touches], profile.surface)
+    return _surface_fit_change(setup, fit, rounded(error_mm=fit.error_mm), GOOD_CORNERS_MM)
 
 
 def board_change(
@@ -167,21 +167,23 @@ def anchor_change(
     return change
 
 
-def _laid_change(setup: Setup, laid: Laid, figures: dict[str, float], good_mm: float) -> Change:
-    quality: Quality = "good" if laid.error_mm < good_mm else "fair"
-    size = rounded(width_mm=laid.surface.width_mm, height_mm=laid.surface.height_mm)
+def _surface_fit_change(
+    setup: Setup, fit: SurfaceFit, figures: dict[str, float], good_mm: float
+) -> Change:
+    quality: Quality = "good" if fit.error_mm < good_mm else "fair"
+    size = rounded(width_mm=fit.surface.width_mm, height_mm=fit.surface.height_mm)
     record = StepRecord(setup.date, quality, {**figures, **size})
 
     def change(before: Profile | None) -> Profile:
         known = require(before, "surface")
         return replace(
-            relaid(known, laid.surface, setup.base), steps={**known.steps, "surface": record}
+            moved_to(known, fit.surface, setup.base), steps={**known.steps, "surface": record}
         )
 
     return change
 
 
-def _projector_change(setup: Setup, solved: Solved, good: bool) -> Change:
+def _projector_change(setup: Setup, solved: HomographyFit, good: bool) -> Change:
     for point in np.argsort(-solved.off_mm, kind="stable")[:MOST_LOGGED]:
         name, off_px, off_mm = solved.names[point], solved.off_px[point], solved.off_mm[point]
         _log.debug("%s: off by %.2f px, %.2f mm", name, off_px, off_mm)

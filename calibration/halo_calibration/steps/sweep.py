@@ -10,16 +10,16 @@ from halo_calibration.observe import Observer
 from halo_calibration.solvers.correction import (
     Base,
     Reference,
-    judge_correction,
+    cross_validate,
     solve_correction,
 )
 from halo_calibration.solvers.sweep import (
     GOOD_COVERED,
     Samples,
-    Swept,
+    SweepObservations,
+    check_sweep,
     coverage,
     covered,
-    judge_sweep,
 )
 from halo_calibration.solvers.touch import corrected
 from halo_calibration.steps.change import Change, Setup, Watch, require, rounded, watched
@@ -30,17 +30,19 @@ FAIR_CORRECTED = 0.15
 """A corrected touch that varies more over the sweep is rated fair."""
 
 
-def watch_sweep(frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch) -> Swept:
+def watch_sweep(
+    frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch
+) -> SweepObservations:
     """Watch a finger that is drawn over the surface."""
     came, seen = watched(frames, observer, watch)
-    return Swept(wanted, came, seen)
+    return SweepObservations(wanted, came, seen)
 
 
-def sweep_change(setup: Setup, swept: Swept, profile: Profile) -> Change:
+def sweep_change(setup: Setup, swept: SweepObservations, profile: Profile) -> Change:
     """Take the sweep over a profile's surface. Raises `Refused` where it is not good enough."""
     surface = profile.surface
-    samples = judge_sweep(swept, surface)
-    fit = judge_correction(surface, setup.base, samples)
+    samples = check_sweep(swept, surface)
+    fit = cross_validate(surface, setup.base, samples)
     if fit.corrected > fit.raw and fit.corrected > FAIR_CORRECTED:
         raise Refused(
             f"the halo of the sweep cannot be predicted ({100 * fit.corrected:.0f} % is left of "

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from halo_calibration.observe import Observer
-from halo_calibration.solvers.touch import Held, Stated, dents_known, solve_touch
+from halo_calibration.solvers.touch import HoldObservations, StateValues, dents_known, solve_touch
 from halo_calibration.steps.change import Change, Setup, Watch, require, rounded, watched
 from halo_service.profile import Profile, StepRecord, TouchStates
 from halo_service.values import Frame, Side
@@ -20,19 +20,19 @@ NO_DENTS = (
 
 def watch_hold(
     state: str, frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch
-) -> Held:
+) -> HoldObservations:
     """Watch a finger that is held in one of the four states."""
     came, seen = watched(frames, observer, watch)
-    return Held(state, wanted, came, seen)
+    return HoldObservations(state, wanted, came, seen)
 
 
-def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
+def touch_change(setup: Setup, holds: Mapping[str, HoldObservations]) -> Change:
     """Take the four states. Raises `Refused` at once where they are not good enough."""
-    solve_touch(helds, setup.stated, None)
+    solve_touch(holds, setup.state_values, None)
 
     def change(before: Profile | None) -> Profile:
         known = require(before, "touch")
-        states, apart, quality = solve_touch(helds, setup.stated, known.correction)
+        states, apart, quality = solve_touch(holds, setup.state_values, known.correction)
         by_hand = dict(known.by_hand)
         everyone = states
         if setup.side is not Side.UNKNOWN:
@@ -43,9 +43,9 @@ def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
             quality,
             rounded(
                 separation_sigmas=apart,
-                **{f"{name}_mm_px": getattr(states, name).raw for name in helds},
+                **{f"{name}_mm_px": getattr(states, name).raw for name in holds},
             ),
-            _touch_note(setup.stated, states),
+            _touch_note(setup.state_values, states),
         )
         return replace(
             known, touch=everyone, by_hand=by_hand, steps={**known.steps, "touch": record}
@@ -54,9 +54,9 @@ def touch_change(setup: Setup, helds: Mapping[str, Held]) -> Change:
     return change
 
 
-def _touch_note(stated: Stated, states: TouchStates) -> str:
-    heights = stated.of("hover")[2] and stated.of("subtle")[2]
-    force = stated.of("pressure")[2]
+def _touch_note(state_values: StateValues, states: TouchStates) -> str:
+    heights = state_values.of("hover")[2] and state_values.of("subtle")[2]
+    force = state_values.of("pressure")[2]
     parts = [
         "" if heights else "heights are assumed (10 and 1 mm)",
         "" if force else "the press's force is unknown, so no grams are told",

@@ -10,19 +10,19 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from halo_calibration.base_model import choose_base, pilot_path, read_base, write_base
-from halo_calibration.guided.guide import Guided
+from halo_calibration.guided.guide import GuidedCalibration
 from halo_calibration.guided.pilot import merged, pilot_rounds, pilot_samples
 from halo_calibration.observe import Look
-from halo_calibration.scripted.run import Scripted
+from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import read_script
-from halo_calibration.solvers.touch import Stated
+from halo_calibration.solvers.touch import StateValues
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.steps.session import Session
 from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
 from halo_service.app.calibration_ui.terminal import Terminal, told
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, open_source
-from halo_service.app.virtual_user.user import STATED, VirtualUser
+from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import amend, exists, load, profile_path, require_fit
@@ -41,7 +41,7 @@ class CalibrateRequest:
     step: str | None = None
     """One step, or None for all that are missing."""
     script: Path | None = None
-    stated: Stated = Stated()  # noqa: RUF009 - frozen, so one default serves all
+    state_values: StateValues = StateValues()  # noqa: RUF009 - frozen, so one default serves all
     side: Side = Side.UNKNOWN
     base: str = "auto"
     """Base model: a file, `none`, or `auto` for the camera's own."""
@@ -85,7 +85,7 @@ def _guided(
     folder: Path,
 ) -> None:
     terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
-    guided = Guided(setup, Session(source), terminal, look_with)
+    guided = GuidedCalibration(setup, Session(source), terminal, look_with)
     profile = load(folder) if exists(folder) else None
     todo = [request.step] if request.step else missing(profile)
     if not todo:
@@ -102,7 +102,11 @@ def _guided(
 
 
 def _one(
-    name: str, guided: Guided, source: Source, request: CalibrateRequest, profile: Profile | None
+    name: str,
+    guided: GuidedCalibration,
+    source: Source,
+    request: CalibrateRequest,
+    profile: Profile | None,
 ) -> Change:
     if name == "background":
         return guided.background()
@@ -120,7 +124,7 @@ def _by_script(
     folder: Path,
 ) -> None:
     terminal = Terminal(None)
-    scripted = Scripted(setup, Session(source), look_with, lambda words: None)
+    scripted = ScriptedCalibration(setup, Session(source), look_with, lambda words: None)
     lines = read_script(script)
     named = {line.step for line in lines}
     # What a script does not begin anew it builds on.
@@ -147,7 +151,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
         require_fit(profile, source.camera)
         terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
         setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
-        guided = Guided(setup, Session(source), terminal, _eyes(source, settings, stack))
+        guided = GuidedCalibration(setup, Session(source), terminal, _eyes(source, settings, stack))
         observer = guided.observer(profile)
         taken = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
         samples = pilot_samples(profile.surface, taken)
@@ -171,7 +175,7 @@ def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: 
         camera=source.camera,
         date=_date(settings.source.name),
         settings=settings.sensing,
-        stated=STATED if virtual else request.stated,
+        state_values=STATE_VALUES if virtual else request.state_values,
         base=choose_base(request.base, source.camera.serial),
         side=request.side,
     )

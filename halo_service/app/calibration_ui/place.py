@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from halo_calibration.boards.board import ANCHOR, Printed
-from halo_calibration.guided.guide import Guided
+from halo_calibration.guided.guide import GuidedCalibration
 from halo_calibration.guided.place import GuidedPlace
 from halo_calibration.guided.projector import GuidedProjector
 from halo_calibration.steps import Change, surface_change
@@ -34,7 +34,7 @@ class PlaceRequest:
 
 
 def place(
-    name: str, guided: Guided, source: Source, request: PlaceRequest, profile: Profile
+    name: str, guided: GuidedCalibration, source: Source, request: PlaceRequest, profile: Profile
 ) -> Change:
     """Take one of these steps over a profile's plane. Raises `UserError`, `Refused` among them."""
     way = _way(name, request.by)

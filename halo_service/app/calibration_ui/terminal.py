@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.guide import Prompt
 from halo_calibration.observe import Observation
 from halo_service.profile import StepRecord
 
@@ -19,7 +19,7 @@ BAR = 24
 class Terminal:
     """A `Guide` that prints."""
 
-    def __init__(self, obey: Callable[[Cue], None] | None) -> None:
+    def __init__(self, obey: Callable[[Prompt], None] | None) -> None:
         """`obey`: moves the virtual user as the prompts say; None: there is a real one."""
         self._obey = obey
         self._drawn = sys.stderr.isatty()
@@ -27,7 +27,7 @@ class Terminal:
         self._map: list[str] = []
         self._lines = 0
 
-    def tell(self, cue: Cue) -> None:
+    def tell(self, cue: Prompt) -> None:
         """Print what to do now."""
         self._wipe()
         self._map = []

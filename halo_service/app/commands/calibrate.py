@@ -75,7 +75,7 @@ def _add_place_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the steps. Ctrl-C keeps the complete steps."""
-    from halo_calibration.solvers.touch import Stated
+    from halo_calibration.solvers.touch import StateValues
     from halo_service.app.calibration_ui.calibrate import CalibrateRequest, calibrate, pilot
     from halo_service.values import Side
 
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     if options.step == "pilot":
         pilot(settings, options.rounds, options.round_s)
         return 0
-    stated = Stated(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
+    stated = StateValues(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
     side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
     place = _place_request(options)
     calibrate(

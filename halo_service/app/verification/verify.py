@@ -13,7 +13,7 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field, replace
 from types import FrameType
 
-from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.guide import Prompt
 from halo_calibration.guided.projector import Screen
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.projector.screens import ScreenRequest, screen_for
@@ -105,7 +105,7 @@ def _follow(
                 return
             if grid.next != asked:
                 asked, since_us = grid.next, told.time_us
-                user.obey(Cue("cross", "Touch the ringed crossing.", at_px=grid.pixel(asked)))
+                user.obey(Prompt("cross", "Touch the ringed crossing.", at_px=grid.pixel(asked)))
 
 
 def _grid_of(profile: Profile, screen: Screen) -> Grid:

@@ -10,7 +10,7 @@ import sys
 from contextlib import ExitStack
 
 from halo_calibration.base_model import VIRTUAL, write_base
-from halo_calibration.guided.guide import Cue
+from halo_calibration.guided.guide import Prompt
 from halo_calibration.guided.pilot import ANGLES_DEG, merged, pilot_samples, usable
 from halo_calibration.observe import Observer
 from halo_calibration.solvers.sweep import SWEEP_S, Samples, samples_of
@@ -48,7 +48,7 @@ def _pilot(name: str, settings: Settings) -> Samples:
         stack.callback(eyes.close)
         for angle in ANGLES_DEG:
             observer = Observer(profile, eyes.look, settings.sensing)
-            user.obey(Cue("pilot", "", angle))
+            user.obey(Prompt("pilot", "", angle))
             user.skip(SETTLE_S)
             seen = []
             for _ in range(round(SWEEP_S / TENTH_S)):

@@ -12,13 +12,13 @@ from dataclasses import replace
 
 from halo_calibration import steps
 from halo_calibration.errors import Refused
-from halo_calibration.guided.guide import CUES
+from halo_calibration.guided.guide import PROMPTS
 from halo_calibration.observe import Observation, Observer
-from halo_calibration.solvers.touch import STATES, Held
+from halo_calibration.solvers.touch import STATES, HoldObservations
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_user.user import STATED, VirtualUser
+from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.settings import Settings
@@ -40,7 +40,7 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
     """
     user = VirtualUser(room)
     session = Session(user)
-    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATED)
+    setup = Setup("virtual", user.camera, DATE, settings.sensing, STATE_VALUES)
     try:
         with ExitStack() as stack:
             eyes = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
@@ -48,8 +48,8 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
             empty = list(session.lasting(BACKGROUND_S, "background"))
             profile = steps.background_change(setup, empty, eyes.look)(None)
             observer = Observer(profile, eyes.look, settings.sensing)
-            helds = {state: _held(state, user, session, observer) for state in STATES}
-            return steps.touch_change(setup, helds)(profile)
+            holds = {state: _held(state, user, session, observer) for state in STATES}
+            return steps.touch_change(setup, holds)(profile)
     except Refused as refused:
         raise UserError(
             f"the virtual room of seed {room.seed} on {room.material} cannot be calibrated: "
@@ -57,8 +57,8 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
         ) from refused
 
 
-def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> Held:
-    user.obey(CUES[state])
+def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> HoldObservations:
+    user.obey(PROMPTS[state])
     user.skip(SETTLE_S)
     frames = session.lasting(HELD_S, state)
     return steps.watch_hold(state, frames, session.wanted(HELD_S), observer, _nobody)

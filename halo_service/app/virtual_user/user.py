@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.boards.board import Printed, marker_squares
-from halo_calibration.guided.guide import Cue
-from halo_calibration.solvers.touch import Stated
+from halo_calibration.guided.guide import Prompt
+from halo_calibration.solvers.touch import StateValues
 from halo_service.values import Frame, SourceKind
 from halo_service.virtual.bodies import wedge
 from halo_service.virtual.camera import FPS
@@ -32,7 +32,7 @@ from halo_service.virtual.timeline import TimelineReader
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0
 """What this person's spacers and kitchen scale say (the heights are the paper's, 4.3.5)."""
-STATED = Stated(HOVER_MM, SUBTLE_MM, TOUCH_G, PRESSURE_G)
+STATE_VALUES = StateValues(HOVER_MM, SUBTLE_MM, TOUCH_G, PRESSURE_G)
 STATES = {
     "hover": (HOVER_MM, 0.0),
     "subtle": (SUBTLE_MM, 0.0),
@@ -81,10 +81,10 @@ class VirtualUser:
         rng = np.random.default_rng([room.seed, 5])
         self._performer = Timeline(rng, away(room, room.dominant), room.dominant)
         self._track = TimelineReader(self._live(), rng, room.seat_deg)
-        self._cue: Cue | None = None
+        self._cue: Prompt | None = None
         self._index = 0
 
-    def obey(self, cue: Cue) -> None:
+    def obey(self, cue: Prompt) -> None:
         """Do what a cue says, from the next moment on."""
         self._cue = cue
         if cue.name in EMPTY_HANDED:  # what they laid stays while they touch

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from halo_calibration.base_model import VIRTUAL, read_base
-from halo_calibration.scripted.run import Scripted
+from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import parse_script
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
@@ -74,7 +74,7 @@ def by_script(
     track = CachedHands(recording)
     source = FrameSequence((frame for frame, _ in restored(recording, background)), camera)
     setup = Setup(NAME, camera, DATE, settings, base=read_base(VIRTUAL))
-    scripted = Scripted(setup, Session(source), lambda _: track, lambda _: None)
+    scripted = ScriptedCalibration(setup, Session(source), lambda _: track, lambda _: None)
     return scripted.run(parse_script(list(recording.script), "of the recording"))
 
 

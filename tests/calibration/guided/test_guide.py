@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.errors import Refused
-from halo_calibration.guided.guide import ATTEMPTS, Cue, Guided
+from halo_calibration.guided.guide import ATTEMPTS, GuidedCalibration, Prompt
 from halo_calibration.observe import Observation
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
@@ -15,7 +15,12 @@ from halo_service.values import Frame, Tracked
 
 SHAPE = (144, 160)
 CAMERA = Camera(
-    "A1", "NFOV_UNBINNED", 30, Lens(SHAPE[1], SHAPE[0], 125.0, 125.0, 79.5, 71.5), None, np.eye(4)
+    "A1",
+    "NFOV_UNBINNED",
+    30,
+    Lens(SHAPE[1], SHAPE[0], 125.0, 125.0, 79.5, 71.5),
+    None,
+    np.eye(4),
 )
 
 
@@ -51,7 +56,7 @@ class Person:
         self.told = 0
         self.counted_down: list[float] = []
 
-    def tell(self, cue: Cue) -> None:
+    def tell(self, cue: Prompt) -> None:
         self.told += 1
         self._table.waving = self.told <= self._waves
 
@@ -70,11 +75,11 @@ def nobody(frame: Frame) -> Tracked:
     return Tracked(frame.time_us, ())
 
 
-def guided(waves: int) -> tuple[Guided, Person]:
+def guided(waves: int) -> tuple[GuidedCalibration, Person]:
     table = Table()
     person = Person(table, waves)
     setup = Setup("desk", CAMERA, "2026-01-01T00:00:00Z")
-    return Guided(setup, Session(table), person, lambda profile: nobody), person
+    return GuidedCalibration(setup, Session(table), person, lambda profile: nobody), person
 
 
 def test_a_refused_step_is_done_again_with_a_count_down() -> None:

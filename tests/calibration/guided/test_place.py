@@ -13,7 +13,7 @@ from halo_calibration.boards.board import crosses
 from halo_calibration.errors import Refused
 from halo_calibration.guided import place as guided_place
 from halo_calibration.guided import projector as guided_projector
-from halo_calibration.guided.guide import Cue, Guided
+from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.guided.place import GuidedPlace
 from halo_calibration.guided.projector import GuidedProjector
 from halo_calibration.steps import Setup
@@ -38,10 +38,12 @@ class Person:
 
     kind = "camera"
 
-    def __init__(self, camera: Camera, draw, see, place_of: Callable[[Cue], tuple[float, float]]):
+    def __init__(
+        self, camera: Camera, draw, see, place_of: Callable[[Prompt], tuple[float, float]]
+    ):
         self.camera = camera
         self.said: list[str] = []
-        self.told: list[Cue] = []
+        self.told: list[Prompt] = []
         self.sloppy_px = 0.0
         """How far beside the mark the next mark's last touch goes."""
         self._draw, self._see, self._place_of = draw, see, place_of
@@ -49,7 +51,7 @@ class Person:
         self._tip = (320.0, 300.0)
         self._coming: list[tuple[tuple[float, float], bool]] = []
 
-    def tell(self, cue: Cue) -> None:
+    def tell(self, cue: Prompt) -> None:
         self.told.append(cue)
         x, y = self._place_of(cue)
         # The finger still rests on the mark before when the next is named.
@@ -84,9 +86,9 @@ class Person:
         """Nothing to let go."""
 
 
-def guided(person: Person) -> Guided:
+def guided(person: Person) -> GuidedCalibration:
     setup = Setup("desk", person.camera, "2026-01-01T00:00:00Z")
-    return Guided(setup, Session(person), person, lambda profile: person.look)
+    return GuidedCalibration(setup, Session(person), person, lambda profile: person.look)
 
 
 def test_four_touched_corners_make_a_surface(camera, draw, see, profile: Profile) -> None:
@@ -123,7 +125,7 @@ def test_nine_touched_crosses_make_a_homography(
 ) -> None:
     caplog.set_level(logging.DEBUG, "halo_calibration")
 
-    def under(cue: Cue) -> tuple[float, float]:
+    def under(cue: Prompt) -> tuple[float, float]:
         return 190.0 + cue.at_px[0] / 5.0, 210.0 + cue.at_px[1] / 5.0
 
     person, screen = Person(camera, draw, see, under), Screen()
@@ -160,7 +162,9 @@ def test_a_board_is_exposed_for_and_found_in_a_dim_room(monkeypatch) -> None:
     screen.size_px, screen.show = user.projector_px, user.project
     person = Person(user.camera, None, None, lambda cue: (0.0, 0.0))
     setup = Setup("desk", user.camera, "2026-01-01T00:00:00Z")
-    guide = Guided(setup, Session(user), person, lambda p: lambda f: Tracked(f.time_us, ()))
+    guide = GuidedCalibration(
+        setup, Session(user), person, lambda p: lambda f: Tracked(f.time_us, ())
+    )
     profile = guide.background()(None)
     made = GuidedProjector(guide, screen, user.expose).projector(profile, "markers")(profile)
     assert any(words.startswith("Exposure: ") for words in person.said)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import ANCHOR, SHEET
-from halo_calibration.guided.guide import CUES, Cue
+from halo_calibration.guided.guide import PROMPTS, Prompt
 from halo_service.app.cli import main
 from halo_service.app.virtual_user.user import MARKER_AT, SHEET_AT
 from halo_service.outputs.recorder import Recorder
@@ -36,12 +36,12 @@ def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
     recording = folder / "place.mkv"
     with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
         film = Film(room, recorder)
-        film.user.obey(CUES["background"])
+        film.user.obey(PROMPTS["background"])
         film.step("background", 60)
-        film.user.obey(Cue("sheet", "", board=SHEET))
+        film.user.obey(Prompt("sheet", "", board=SHEET))
         film.step("surface", FRAMES, by="markers", width_mm=280.0)
         film.board(FRAMES)
-        film.user.obey(Cue("marker", "", board=ANCHOR))
+        film.user.obey(Prompt("marker", "", board=ANCHOR))
         (number,) = ANCHOR.middles_mm
         film.step("anchor", FRAMES, marker=number)
     script = film.written(folder)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 
 from halo_calibration.errors import Refused
-from halo_calibration.scripted.run import Scripted
+from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import parse_script
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
@@ -141,7 +141,7 @@ def calibrate(take: Take) -> Callable[..., Profile]:
     def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
         source = Drawn(take.frames, *lost)
         setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
-        scripted = Scripted(
+        scripted = ScriptedCalibration(
             setup, Session(source), lambda known: lambda frame: take.hands[frame.time_us], print
         )
         return scripted.run(parse_script(script, "test"))

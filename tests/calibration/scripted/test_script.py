@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from halo_calibration.scripted.script import parse_script, read_script, stated_in
-from halo_calibration.solvers.touch import Stated
+from halo_calibration.scripted.script import parse_script, read_script, state_values_in
+from halo_calibration.solvers.touch import StateValues
 from halo_service.errors import UserError
 
 GOOD = [
@@ -35,7 +35,7 @@ def test_steps_come_in_the_order_of_time(tmp_path: Path) -> None:
     path.write_text(json.dumps(GOOD[::-1]))
     lines = read_script(path)
     assert [line.step for line in lines] == [line["step"] for line in GOOD]
-    assert stated_in(lines, Stated(hover_mm=9.0)) == Stated(12.0, 1.0, 25.0, 200.0)
+    assert state_values_in(lines, StateValues(hover_mm=9.0)) == StateValues(12.0, 1.0, 25.0, 200.0)
 
 
 def changed(index: int, **fields: object) -> list[dict[str, object]]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from halo_calibration.solvers.change_surface import relaid
+from halo_calibration.solvers.change_surface import moved_to
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Anchor, Profile, Projector
 
@@ -44,7 +44,7 @@ def moved(surface: Surface, other: Surface, point: tuple[float, float, float]) -
 def test_projector_and_anchor_keep_where_they_are_on_the_table(
     placed: Profile, turned: Surface
 ) -> None:
-    after = relaid(placed, turned, None)
+    after = moved_to(placed, turned, None)
     assert after.surface is turned
     point = (120.0, 70.0, 0.0)
     there = moved(placed.surface, turned, point)
@@ -63,7 +63,7 @@ def test_projector_and_anchor_keep_where_they_are_on_the_table(
 def test_held_states_keep_their_place_and_direction(placed: Profile, turned: Surface) -> None:
     touch = replace(placed.touch.touch, x_mm=100.0, y_mm=80.0, yaw_deg=10.0)
     before = replace(placed, touch=replace(placed.touch, touch=touch))
-    after = relaid(before, turned, None).touch.touch
+    after = moved_to(before, turned, None).touch.touch
     x, y, _ = moved(placed.surface, turned, (100.0, 80.0, 0.0))
     assert (after.x_mm, after.y_mm) == pytest.approx((x, y))
     # The surface was turned clockwise, so the finger now points so much less clockwise.
@@ -80,7 +80,7 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
     samples = np.column_stack([x, y, np.full(600, 45.0), yaw, signal, signal / 100.0])
     at = Reference(0.0, 0.0, 45.0, 0.0)
     before = replace(placed, correction=solve_correction(placed.surface, None, samples, at))
-    after = relaid(before, turned, None)
+    after = moved_to(before, turned, None)
     held = (0.0, 0.0, 45.0, 0.0)
     middle = (150.0, 100.0)
     new_middle = moved(placed.surface, turned, (*middle, 0.0))[:2]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import Projected, crosses
-from halo_calibration.boards.detect import Seen
+from halo_calibration.boards.detect import DetectedBoard
 from halo_calibration.boards.graycode import Decoded, count, decode, patterns
 from halo_calibration.errors import Refused
 from halo_calibration.solvers.projector import (
@@ -113,7 +113,7 @@ def seen_of(places_mm, which, noise_px=0.0):
     px = OVER.in_picture(places_mm, LENS, np.eye(4))
     px = px + np.random.default_rng(1).normal(0.0, noise_px, px.shape)
     missing = tuple(n for n in range(len(BOARD.points_px)) if n not in which)
-    return Seen(BOARD.points_px[which], px[which], tuple(which), missing)
+    return DetectedBoard(BOARD.points_px[which], px[which], tuple(which), missing)
 
 
 ALL = list(range(len(BOARD.points_px)))

@@ -11,10 +11,16 @@ from halo_calibration.solvers.correction import (
     Base,
     Model,
     Reference,
-    judge_correction,
+    cross_validate,
     solve_correction,
 )
-from halo_calibration.solvers.sweep import Swept, coverage, covered, draw_map, judge_sweep
+from halo_calibration.solvers.sweep import (
+    SweepObservations,
+    check_sweep,
+    coverage,
+    covered,
+    draw_map,
+)
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Correction
 from halo_service.sensing.correction import correct, strength
@@ -32,7 +38,7 @@ def truth(x_mm: float, y_mm: float, pitch_deg: float, yaw_deg: float) -> float:
 
 def sweep(
     *, x_to: float = 280.0, lifted: int = 0, came: int = 600, pitch_deg: float = 45.0
-) -> Swept:
+) -> SweepObservations:
     rng = np.random.default_rng(3)
     seen = []
     for n in range(came):
@@ -41,7 +47,7 @@ def sweep(
         y, yaw = 20.0 + 32.0 * row, 25.0 * np.sin(n / 17.0)
         raw = truth(x, y, pitch_deg, yaw) * rng.normal(1.0, 0.02) * (0.1 if n < lifted else 1.0)
         seen.append(Observation(n, Side.RIGHT, x, y, pitch_deg, float(yaw), 14.0, raw, raw, 5))
-    return Swept(600, came, tuple(seen))
+    return SweepObservations(600, came, tuple(seen))
 
 
 def spread(correction: Correction | None) -> float:
@@ -59,15 +65,15 @@ def spread(correction: Correction | None) -> float:
 
 @pytest.fixture(scope="module")
 def correction() -> Correction:
-    return solve_correction(SURFACE, None, judge_sweep(sweep(), SURFACE), AT)
+    return solve_correction(SURFACE, None, check_sweep(sweep(), SURFACE), AT)
 
 
 def test_a_corrected_touch_varies_at_most_half_as_much_as_the_raw_one(
     correction: Correction,
 ) -> None:
-    samples = judge_sweep(sweep(), SURFACE)
+    samples = check_sweep(sweep(), SURFACE)
     assert spread(correction) < 0.5 * spread(None)
-    fit = judge_correction(SURFACE, None, samples)
+    fit = cross_validate(SURFACE, None, samples)
     assert fit.corrected < 0.5 * fit.raw
 
 
@@ -76,12 +82,12 @@ def test_the_correction_is_one_where_the_states_were_held(correction: Correction
 
 
 def test_two_fits_of_the_same_samples_are_equal(correction: Correction) -> None:
-    again = solve_correction(SURFACE, None, judge_sweep(sweep(), SURFACE), AT)
+    again = solve_correction(SURFACE, None, check_sweep(sweep(), SURFACE), AT)
     np.testing.assert_array_equal(again.strength, correction.strength)
 
 
 def test_between_the_grids_points_little_is_lost(correction: Correction) -> None:
-    samples = judge_sweep(sweep(), SURFACE)
+    samples = check_sweep(sweep(), SURFACE)
     model = Model(SURFACE, None, samples)
     here = model.expect(np.array([[150.0, 100.0, 45.0, 0.0]]))[0]
     model_says = model.expect(samples[:, :4])
@@ -103,7 +109,7 @@ def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
         for o in seen
     ]
     base = Base("pilots", "A1", np.array(rows))
-    correction = solve_correction(SURFACE, base, judge_sweep(sweep(), SURFACE), AT)
+    correction = solve_correction(SURFACE, base, check_sweep(sweep(), SURFACE), AT)
     flat = truth(150.0, 100.0, 20.0, 0.0) / truth(150.0, 100.0, 45.0, 0.0)
     assert strength(correction, 150.0, 100.0, 20.0, 0.0) == pytest.approx(flat, abs=0.08)
     assert correction.base == "pilots"
@@ -115,17 +121,17 @@ def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
         (sweep(x_to=120.0), "covered only .* missing most at the .*right"),
         (sweep(lifted=250), "off the surface in 42 %"),
         (sweep(came=200), "only 200 of 600 frames came during 'sweep'"),
-        (Swept(600, 600, sweep().seen[:200]), "found in only 200 of 600 frames"),
+        (SweepObservations(600, 600, sweep().seen[:200]), "found in only 200 of 600 frames"),
     ],
     ids=["too small", "lifted", "dropped", "lost"],
 )
-def test_a_bad_sweep_is_refused_with_the_remedy(swept: Swept, says: str) -> None:
+def test_a_bad_sweep_is_refused_with_the_remedy(swept: SweepObservations, says: str) -> None:
     with pytest.raises(Refused, match=says):
-        judge_sweep(swept, SURFACE)
+        check_sweep(swept, SURFACE)
 
 
 def test_the_map_shows_what_is_covered() -> None:
-    samples = judge_sweep(sweep(), SURFACE)
+    samples = check_sweep(sweep(), SURFACE)
     counts = covered(samples[samples[:, 0] < 150.0], SURFACE)
     assert coverage(counts) == 0.5
     assert draw_map(counts)[0] == "██████······"

@@ -8,21 +8,27 @@ import numpy as np
 import pytest
 
 from halo_calibration.errors import NO_HALO, Refused
-from halo_calibration.solvers.touch import STATES, Held, Stated, corrected, solve_touch
+from halo_calibration.solvers.touch import (
+    STATES,
+    HoldObservations,
+    StateValues,
+    corrected,
+    solve_touch,
+)
 from halo_calibration.steps import NO_DENTS, Setup, touch_change
 from halo_service.profile import Correction, Profile, TouchStates
 
-Hold = Callable[..., Held]
+Hold = Callable[..., HoldObservations]
 RAW = {"hover": 300.0, "subtle": 1500.0, "touch": 2200.0, "pressure": 2800.0}
 
 
-def all_of(hold: Hold, **other: Held) -> dict[str, Held]:
+def all_of(hold: Hold, **other: HoldObservations) -> dict[str, HoldObservations]:
     return {state: other.get(state) or hold(state, RAW[state]) for state in STATES}
 
 
 def test_states_are_medians_with_what_was_stated(hold: Hold) -> None:
     states, apart, quality = solve_touch(
-        all_of(hold), Stated(hover_mm=12.0, subtle_mm=2.0, pressure_g=250.0), None
+        all_of(hold), StateValues(hover_mm=12.0, subtle_mm=2.0, pressure_g=250.0), None
     )
     assert states.touch.signal == pytest.approx(2200.0, abs=10.0)
     assert (states.hover.height_mm, states.hover.stated) == (12.0, True)
@@ -37,7 +43,7 @@ def test_states_are_medians_with_what_was_stated(hold: Hold) -> None:
 
 
 def test_what_nobody_measured_is_recorded_as_assumed(hold: Hold) -> None:
-    states, _, _ = solve_touch(all_of(hold), Stated(), None)
+    states, _, _ = solve_touch(all_of(hold), StateValues(), None)
     assert [getattr(states, name).stated for name in STATES] == [False] * 4
     assert (states.hover.height_mm, states.subtle.height_mm) == (10.0, 1.0)
     assert states.pressure.force_g == -1.0
@@ -58,19 +64,19 @@ def test_bad_states_are_refused_with_the_remedy(
     hold: Hold, state: str, how: dict[str, float], says: str
 ) -> None:
     with pytest.raises(Refused, match=says):
-        solve_touch(all_of(hold, **{state: hold(state, **how)}), Stated(), None)
+        solve_touch(all_of(hold, **{state: hold(state, **how)}), StateValues(), None)
 
 
 def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:
     flat = {state: hold(state, 5.0, noise=3.0) for state in STATES}
     with pytest.raises(Refused) as refused:
-        solve_touch(flat, Stated(), None)
+        solve_touch(flat, StateValues(), None)
     assert str(refused.value) == NO_HALO
 
 
 def test_states_that_are_only_just_apart_are_fair(hold: Hold) -> None:
-    helds = all_of(hold, pressure=hold("pressure", 2600.0, noise=100.0))
-    assert solve_touch(helds, Stated(), None)[2] == "fair"
+    holds = all_of(hold, pressure=hold("pressure", 2600.0, noise=100.0))
+    assert solve_touch(holds, StateValues(), None)[2] == "fair"
 
 
 def dents(states: TouchStates) -> list[float]:
@@ -90,19 +96,19 @@ UNTOLD = {
 def test_dents_that_do_not_tell_the_states_apart_are_unknown_in_all_four_and_refuse_nobody(
     hold: Hold, profile: Profile, state: str, how: dict[str, float]
 ) -> None:
-    helds = all_of(hold, **{state: hold(state, RAW[state], **how)})
-    states, apart, quality = solve_touch(helds, Stated(), None)
+    holds = all_of(hold, **{state: hold(state, RAW[state], **how)})
+    states, apart, quality = solve_touch(holds, StateValues(), None)
     assert dents(states) == [0.0] * 4
     assert states.touch.signal == pytest.approx(2200.0, abs=10.0)
     assert apart > 6.0
     assert quality == "fair"
-    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), helds)(profile)
+    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), holds)(profile)
     assert after.steps["touch"].note.endswith(NO_DENTS)
 
 
 def test_unknown_dents_stay_unknown_when_a_sweep_comes(hold: Hold) -> None:
     states, _, _ = solve_touch(
-        all_of(hold, touch=hold("touch", 2200.0, dent_mm=7.5)), Stated(), None
+        all_of(hold, touch=hold("touch", 2200.0, dent_mm=7.5)), StateValues(), None
     )
     ends = np.array([0.0, 300.0], np.float32)
     flat = np.ones((2, 2, 2, 2), np.float32)
@@ -122,9 +128,9 @@ TOLD = {
 def test_dents_that_tell_the_states_apart_are_kept_without_a_word(
     hold: Hold, profile: Profile, how: dict[str, float]
 ) -> None:
-    helds = all_of(hold, pressure=hold("pressure", RAW["pressure"], **how))
-    states, _, quality = solve_touch(helds, Stated(), None)
+    holds = all_of(hold, pressure=hold("pressure", RAW["pressure"], **how))
+    states, _, quality = solve_touch(holds, StateValues(), None)
     assert dents(states) == [1.5, 7.5, 11.0, how.get("dent_mm", 14.0)]
     assert quality == "good"
-    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), helds)(profile)
+    after = touch_change(Setup("desk", profile.camera, "2024-05-01"), holds)(profile)
     assert NO_DENTS not in after.steps["touch"].note

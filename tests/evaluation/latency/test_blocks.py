@@ -20,7 +20,7 @@ from halo_service.evaluation.latency.regressor import Regressor, regressor_for
 from halo_service.evaluation.latency.simulate import LatencyRecording, simulate
 from halo_service.evaluation.latency.stopwatch import Stopwatch
 from halo_service.outputs.recorder import Recorder
-from halo_service.profile import HeldState, Profile, TouchStates
+from halo_service.profile import Profile, TouchState, TouchStates
 from halo_service.profile.store import save
 from halo_service.settings import Settings, TrackingSettings
 from halo_service.sources import EndOfSource
@@ -36,10 +36,10 @@ STAGES = {
     ],
 }  # fmt: skip
 STATES = TouchStates(
-    hover=HeldState(500.0, 10.0, 0.0),
-    subtle=HeldState(1500.0, 1.0, 0.0),
-    touch=HeldState(2000.0, 0.0, 25.0),
-    pressure=HeldState(3000.0, 0.0, 200.0),
+    hover=TouchState(500.0, 10.0, 0.0),
+    subtle=TouchState(1500.0, 1.0, 0.0),
+    touch=TouchState(2000.0, 0.0, 25.0),
+    pressure=TouchState(3000.0, 0.0, 200.0),
     line_px_at_hover=6.0,
     finger_thickness_mm=14.0,
 )

@@ -11,10 +11,16 @@ from dataclasses import replace
 
 from halo_calibration.base_model import VIRTUAL, read_base
 from halo_calibration.observe import Observation
-from halo_calibration.scripted.script import Line, parse_script, stated_in
+from halo_calibration.scripted.script import ScriptStep, parse_script, state_values_in
 from halo_calibration.solvers.correction import Reference, solve_correction
-from halo_calibration.solvers.sweep import Swept, judge_sweep
-from halo_calibration.solvers.touch import STATES, Held, Stated, corrected, solve_touch
+from halo_calibration.solvers.sweep import SweepObservations, check_sweep
+from halo_calibration.solvers.touch import (
+    STATES,
+    HoldObservations,
+    StateValues,
+    corrected,
+    solve_touch,
+)
 from halo_service.evaluation.methods.paper.signal import read
 from halo_service.profile import Correction, Profile
 from halo_service.runtime.method import Script, Seen
@@ -37,14 +43,15 @@ def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Scrip
         line = next(line for line in lines if line.step == step)
         return round((line.to_s - line.from_s) * profile.camera.fps)
 
-    helds = {
-        state: Held(state, wanted(state), came[state], tuple(observed[state])) for state in STATES
+    holds = {
+        state: HoldObservations(state, wanted(state), came[state], tuple(observed[state]))
+        for state in STATES
     }
-    states, _, _ = solve_touch(helds, stated_in(lines, Stated()), None)
+    states, _, _ = solve_touch(holds, state_values_in(lines, StateValues()), None)
     correction: Correction | None = None
     if SWEEP in came:
-        swept = Swept(wanted(SWEEP), came[SWEEP], tuple(observed[SWEEP]))
-        samples = judge_sweep(swept, profile.surface)
+        swept = SweepObservations(wanted(SWEEP), came[SWEEP], tuple(observed[SWEEP]))
+        samples = check_sweep(swept, profile.surface)
         held = states.touch
         at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
         correction = solve_correction(profile.surface, read_base(VIRTUAL), samples, at)
@@ -52,7 +59,7 @@ def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Scrip
 
 
 def _watch(
-    profile: Profile, seen: Seen, lines: Sequence[Line]
+    profile: Profile, seen: Seen, lines: Sequence[ScriptStep]
 ) -> tuple[dict[str, int], dict[str, list[Observation]]]:
     """Return the number of frames in each step, and the finger in those that show it."""
     came = {line.step: 0 for line in lines}

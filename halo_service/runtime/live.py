@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from halo_service.errors import UserError
+from halo_service.host_clock import CLOCK
 from halo_service.runtime.checks import check_capture
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health, HealthCounter
@@ -205,7 +206,7 @@ class LiveLoop:
     def _silent_us(self) -> int:
         """Return the source's time while it is silent: its last, plus most of the time since."""
         if self._last_us is None:
-            return time.time_ns() // 1000
+            return CLOCK.unix_us()
         passed_us = round((time.monotonic() - self._received_s) * 1e6)
         return self._last_us + max(passed_us - BEHIND_US, 0)
 
@@ -246,5 +247,5 @@ class LiveLoop:
             return
         self._last_us = None
         self._received_s = time.monotonic()
-        self._release(time.time_ns() // 1000)
+        self._release(CLOCK.unix_us())
         log.warning("camera: found again")

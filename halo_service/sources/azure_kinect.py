@@ -21,6 +21,7 @@ import numpy as np
 from halo_service.errors import UserError
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
+from halo_service.host_clock import CLOCK
 from halo_service.sources import SourceLost
 from halo_service.sources.clock import DeviceClock
 from halo_service.values import BadFrame, Frame, SourceKind
@@ -130,7 +131,7 @@ def outcome(capture: Any, clock: DeviceClock) -> Frame | BadFrame:
     depth, ir, colour = capture.depth, capture.ir, capture.color
     if depth is None or ir is None:
         lacking = "depth" if depth is None else "IR"
-        return BadFrame(_unix_us(), f"no {lacking} in this capture")
+        return BadFrame(CLOCK.unix_us(), f"no {lacking} in this capture")
     time_us = clock.unix_us(
         capture.depth_timestamp_usec, _arrived_us(capture.depth_system_timestamp_nsec)
     )
@@ -141,11 +142,7 @@ def outcome(capture: Any, clock: DeviceClock) -> Frame | BadFrame:
 def _arrived_us(system_ns: int) -> int:
     """Unix time at which the host had a frame that the SDK stamped by `perf_counter`."""
     delay_us = (time.perf_counter_ns() - system_ns) // 1000
-    return _unix_us() - (delay_us if 0 <= delay_us <= _MOST_DELAY_US else 0)
-
-
-def _unix_us() -> int:
-    return time.time_ns() // 1000
+    return CLOCK.unix_us() - (delay_us if 0 <= delay_us <= _MOST_DELAY_US else 0)
 
 
 def _sdk() -> ModuleType:

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
+from halo_service.host_clock import CLOCK
 from halo_service.sources import EndOfSource
 from halo_service.sources.matroska import KinectFile, no_frames
 from halo_service.values import BadFrame, Frame, SourceKind
@@ -110,12 +111,10 @@ class _Pace:
     """When a frame of the file is due, in Unix time; the first is due at once."""
 
     def __init__(self) -> None:
-        # A change of the host clock must neither stall nor rush the recording.
-        self._unix_minus_monotonic_us = _microseconds(time.time_ns() - time.monotonic_ns())
         self._unix_minus_file_us: int | None = None
 
     def due_us(self, file_us: int) -> int:
-        now_us = self._now_us()
+        now_us = CLOCK.unix_us()
         if self._unix_minus_file_us is None:
             self._unix_minus_file_us = now_us - file_us
         late_us = now_us - (file_us + self._unix_minus_file_us)
@@ -124,13 +123,6 @@ class _Pace:
         return file_us + self._unix_minus_file_us
 
     def wait_until(self, unix_us: int, timeout_s: float) -> bool:
-        wait_s = (unix_us - self._now_us()) / _US_PER_S
+        wait_s = (unix_us - CLOCK.unix_us()) / _US_PER_S
         time.sleep(max(0.0, min(wait_s, timeout_s)))
         return wait_s <= timeout_s
-
-    def _now_us(self) -> int:
-        return _microseconds(time.monotonic_ns()) + self._unix_minus_monotonic_us
-
-
-def _microseconds(ns: int) -> int:
-    return ns // 1000

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import time
 from contextlib import nullcontext
 from multiprocessing.connection import Connection
 from multiprocessing.shared_memory import SharedMemory
@@ -23,6 +22,7 @@ import cv2  # after the environment above
 import numpy as np
 
 from halo_service.errors import UserError
+from halo_service.host_clock import CLOCK
 from halo_service.virtual import truth
 from halo_service.virtual.camera import factory
 from halo_service.virtual.clock import clock_of
@@ -82,7 +82,7 @@ class _Camera:
         self._drop = request.room.drop
         self._rng = np.random.default_rng([request.room.seed, 3])
         self._scenario = start_scenario(request.scenario, request.room)
-        switched_on_us = round(time.time() * 1e6)
+        switched_on_us = CLOCK.unix_us()
         self._sensor = Sensor(
             request.room,
             colour_times=LIVE_COLOUR_TIMES if colour else 0,
@@ -93,7 +93,7 @@ class _Camera:
         self._sensor.frame(switched_on_us, snapshot.hands, snapshot.things)
         # Live, frames carry Unix time: drift and start of the device's clock are mapped already.
         self._clock = clock_of(request.room, request.scenario)
-        self._start_us = round(time.time() * 1e6)
+        self._start_us = CLOCK.unix_us()
         self._number = 0
         self._asked: int | None = None
         """The newest frame that the reader has, while it waits for a newer one."""
@@ -102,7 +102,7 @@ class _Camera:
         """Until the pipe breaks."""
         index = -1
         while True:
-            elapsed_s = time.time() - self._start_us / 1e6
+            elapsed_s = (CLOCK.unix_us() - self._start_us) / 1e6
             # Late: leave frames out, never catch up.
             index = max(index + 1, int(elapsed_s * self._clock.fps))
             due_s = self._clock.exposed_s(index) + abs(self._rng.normal(0.0, JITTER_S))
@@ -136,7 +136,7 @@ class _Camera:
             if self._asked is not None and self._number > self._asked:
                 self._pipe.send(("new", self._number))
                 self._asked = None
-            if not self._pipe.poll(max(0.0, due_s - time.time())):
+            if not self._pipe.poll(max(0.0, due_s - CLOCK.unix_us() / 1e6)):
                 return
             kind, value = self._pipe.recv()
             if kind == "next":

@@ -99,7 +99,7 @@ def settings() -> str:
         'name = "azure-kinect"',
         "",
         "[osc]",
-        'destinations = ["127.0.0.1:9000", "192.168.1.20:9000"]',
+        'destinations = ["127.0.0.1:4256", "192.168.1.20:4256"]',
         "```",
         "",
         "## At the top of the file",

@@ -76,7 +76,8 @@ def frame_vector(case: FrameCase) -> Json:
     datagrams = [
         {"messages": _messages(datagram), "hex": datagram.hex()} for datagram in case.datagrams()
     ]
-    return {**_named(case), "surface": case.surface, "datagrams": datagrams}
+    options = {"max_bytes": case.max_bytes, "timetagged": case.timetagged}
+    return {**_named(case), "surface": case.surface, **options, "datagrams": datagrams}
 
 
 def report_vector(case: ReportCase) -> Json:

@@ -40,8 +40,10 @@ class ControlPort:
     """Receives in its own thread; the service drains messages between frames."""
 
     def __init__(self, host: str, port: int) -> None:
-        """Bind the port. Raises `UserError` for an invalid port, a port in use, or a host that is
-        not an address of this machine."""
+        """Bind the port, or a free one where it is in use.
+
+        Raises `UserError` for an invalid port, or a host that is not an address of this machine.
+        """
         if port not in PORTS:
             raise UserError(
                 f"control: {port} is not a port; choose one from {PORTS[0]} to {PORTS[-1]} with "
@@ -51,12 +53,15 @@ class ControlPort:
         self._strangers: set[tuple[str, int]] = set()
         self.bad = 0
         """Datagrams that were not OSC."""
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        try:
-            self._socket.bind((host, port))
-        except OSError as error:
-            self._socket.close()
-            raise _refused(host, port, error) from error
+        self._socket = _bound(host, port)
+        self.port = int(self._socket.getsockname()[1])
+        """The port that it uses."""
+        if self.port != port:
+            log.warning(
+                "control: port %d is in use, so this service uses %d; clients find it in 'scene'",
+                port,
+                self.port,
+            )
         self._socket.settimeout(WAKE_S)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._receive, name="control", daemon=True)
@@ -102,14 +107,21 @@ class ControlPort:
         )
 
 
-def _refused(host: str, port: int, error: OSError) -> UserError:
-    """Explain which of the two is wrong: the port or the host."""
-    if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
-        remedy = "set [control] host to an address of this machine, such as 127.0.0.1"
-    elif error.errno == errno.EADDRINUSE:
-        remedy = "another halo service may be running: end it, or use another --control-port"
-    else:
-        remedy = "choose another port with --control-port"
-    return UserError(
-        f"control: port {port} on {host} cannot be opened ({error.strerror}); {remedy}"
-    )
+def _bound(host: str, port: int) -> socket.socket:
+    """Open a socket on the port, or on a free one where it is in use or needs rights."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    control = socket.socket(family, socket.SOCK_DGRAM)
+    try:
+        try:
+            control.bind((host, port))
+        except OSError as error:
+            if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+                raise
+            control.bind((host, 0))
+    except OSError as error:
+        control.close()
+        raise UserError(
+            f"control: port {port} on {host} cannot be opened ({error.strerror}); set [control] "
+            f"host to an address of this machine, such as 127.0.0.1"
+        ) from error
+    return control

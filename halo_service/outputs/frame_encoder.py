@@ -24,6 +24,7 @@ class FrameEncoder:
         self.node = node
         self.session = session
         self._next_frame = first_frame
+        self._start_us: int | None = None
         self._past: deque[list[tuple[int, TouchEvent]]] = deque(maxlen=REPEATS)
 
     def encode(self, touch_frame: TouchFrame) -> list[bytes]:
@@ -32,6 +33,8 @@ class FrameEncoder:
             replace(past, ago_ms=past.ago_ms + (touch_frame.time_us - since_us) / 1000.0)
             for since_us, past in (pair for frame in self._past for pair in frame)
         ]
+        if self._start_us is None:
+            self._start_us = touch_frame.time_us
         self._past.append([(touch_frame.time_us, event) for event in touch_frame.events])
         downs, ups = event_messages([*touch_frame.events, *repeated], touch_frame)
         header = wire.Frame(
@@ -40,6 +43,7 @@ class FrameEncoder:
             self._next_frame,
             *divmod(touch_frame.time_us, 1_000_000),
             len(touch_frame.pointers),
+            wire.session_ms(touch_frame.time_us, self._start_us),
         )
         self._next_frame = wire.next_frame(self._next_frame)
         return wire.encode_frame(

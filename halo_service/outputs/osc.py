@@ -15,7 +15,7 @@ def destination(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
         raise UserError(
-            f"osc: '{text}' is not a destination; write host:port, such as 127.0.0.1:9000"
+            f"osc: '{text}' is not a destination; write host:port, such as 127.0.0.1:4256"
         )
     return host.strip("[]"), int(port)
 

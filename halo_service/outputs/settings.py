@@ -7,13 +7,15 @@ from typing import Annotated
 
 from annotated_types import Interval
 
+from halo_protocol import DEFAULT_CONTROL_PORT, DEFAULT_PORT
+
 
 @dataclass(frozen=True, slots=True)
 class OscSettings:
     """`[osc]` in halo.toml."""
 
     enabled: bool = True
-    destinations: tuple[str, ...] = ("127.0.0.1:9000",)
+    destinations: tuple[str, ...] = (f"127.0.0.1:{DEFAULT_PORT}",)
     """`host:port` of each client that receives frames by UDP."""
 
 
@@ -42,4 +44,4 @@ class ControlSettings:
     """`[control]` in halo.toml: the port that receives messages from clients."""
 
     host: str = "127.0.0.1"
-    port: Annotated[int, Interval(ge=1, le=65_535)] = 9001
+    port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_CONTROL_PORT

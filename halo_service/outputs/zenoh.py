@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from typing import Any
 
 import zenoh
@@ -16,6 +17,7 @@ import halo_protocol as wire
 from halo_protocol.names import ZENOH_KINDS
 from halo_service.errors import UserError
 from halo_service.files import from_home
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.settings import LISTEN, ZenohSettings
 
 RETAINED = ("scene", "homography", "pose")
@@ -24,8 +26,13 @@ RETAINED = ("scene", "homography", "pose")
 class ZenohOutput:
     """An embedded Zenoh peer that publishes one surface of one node."""
 
-    def __init__(self, settings: ZenohSettings, node: str, surface: str) -> None:
-        """Open the peer. Raises `UserError` when it cannot listen or connect."""
+    def __init__(
+        self, settings: ZenohSettings, node: str, surface: str, names: NameWatch | None = None
+    ) -> None:
+        """Open the peer; `names` gets the scenes that others publish under this node's name.
+
+        Raises `UserError` when it cannot listen or connect.
+        """
         self._session = _open(settings)
         self._last: dict[str, bytes] = {}
         self._publishers: dict[str, zenoh.Publisher] = {}
@@ -38,6 +45,7 @@ class ZenohOutput:
                 express=True,
             )
         self._queryables = [self._answer(wire.zenoh_key(node, surface, k), k) for k in RETAINED]
+        self._others = None if names is None else self._subscribe_to_others(node, names)
         self._token = self._session.liveliness().declare_token(wire.liveliness_key(node))
 
     def send(self, kind: str, datagrams: list[bytes]) -> None:
@@ -50,11 +58,22 @@ class ZenohOutput:
     def close(self) -> None:
         """Undeclare everything, then close: closing first can hang."""
         self._token.undeclare()
+        if self._others is not None:
+            self._others.undeclare()
         for queryable in self._queryables:
             queryable.undeclare()
         for publisher in self._publishers.values():
             publisher.undeclare()
         self._session.close()
+
+    def _subscribe_to_others(self, node: str, names: NameWatch) -> zenoh.Subscriber[None]:
+        """Receive scenes of this node's name that are not ours."""
+
+        def look(sample: zenoh.Sample) -> None:
+            names.datagram(sample.payload.to_bytes(), time.monotonic())
+
+        key = wire.zenoh_key(node, wire.ANY, "scene")
+        return self._session.declare_subscriber(key, look, allowed_origin=zenoh.Locality.REMOTE)
 
     def _answer(self, key: str, kind: str) -> zenoh.Queryable[None]:
         def reply(query: zenoh.Query) -> None:

@@ -6,10 +6,10 @@ folder above is the specification.
 
 from halo_protocol.assembly import Assembler
 from halo_protocol.checks import MAX_EVENTS, MAX_POINTERS
-from halo_protocol.codec import MAX_DATAGRAM, decode, encode, encode_frame
-from halo_protocol.counter import ahead, first_frame, is_newer, next_frame
+from halo_protocol.codec import MAX_BUNDLE, decode, encode, encode_frame
+from halo_protocol.counter import ahead, first_frame, is_newer, next_frame, session_ms
 from halo_protocol.errors import ProtocolError
-from halo_protocol.events import Event, Lost, Report, TouchFrame
+from halo_protocol.events import Collision, Event, Lost, Report, TouchFrame
 from halo_protocol.jsonview import event_to_json, from_json, to_json
 from halo_protocol.messages import (
     Alive,
@@ -37,18 +37,22 @@ from halo_protocol.names import (
     ZENOH_KINDS,
     address,
     check_name,
+    check_session,
     check_surface,
     liveliness_key,
     zenoh_key,
 )
 from halo_protocol.osc import Argument, parse_osc
+from halo_protocol.ports import DEFAULT_CONTROL_PORT, DEFAULT_PORT
 from halo_protocol.touch_counter import UNKNOWN_STRIKE
 from halo_protocol.version import VERSION, Verdict, verdict
 
 __all__ = [
     "ANY",
+    "DEFAULT_CONTROL_PORT",
+    "DEFAULT_PORT",
     "DEFAULT_SURFACE",
-    "MAX_DATAGRAM",
+    "MAX_BUNDLE",
     "MAX_EVENTS",
     "MAX_POINTERS",
     "RESERVED_SURFACES",
@@ -60,6 +64,7 @@ __all__ = [
     "Assembler",
     "Calibration",
     "Camera",
+    "Collision",
     "Down",
     "Event",
     "Finger",
@@ -83,6 +88,7 @@ __all__ = [
     "address",
     "ahead",
     "check_name",
+    "check_session",
     "check_surface",
     "decode",
     "encode",
@@ -94,6 +100,7 @@ __all__ = [
     "liveliness_key",
     "next_frame",
     "parse_osc",
+    "session_ms",
     "to_json",
     "verdict",
     "zenoh_key",

@@ -8,7 +8,7 @@ pointers, and bounded, so forged datagrams cannot fill the memory.
 from __future__ import annotations
 
 from halo_protocol.codec import decode
-from halo_protocol.events import Event, Report
+from halo_protocol.events import Collision, Event, Report
 from halo_protocol.parts import Part, parts
 from halo_protocol.stream import Stream
 
@@ -27,6 +27,8 @@ class Assembler:
     def __init__(self, timeout_s: float = TIMEOUT_S) -> None:
         self._timeout_s = timeout_s
         self._streams: dict[tuple[str, str, str], Stream] = {}
+        self._ranks: dict[tuple[str, str, str], int] = {}
+        self._collisions: set[tuple[str, str, str, str]] = set()
         self._dropped_before = 0
 
     @property
@@ -51,7 +53,7 @@ class Assembler:
 
     def expire(self, now_s: float) -> list[Event]:
         """Close sessions that were silent for too long; call it a few times a second."""
-        newest = {(stream.node, stream.surface): stream for stream in self._streams.values()}
+        newest = self._newest()
         events: list[Event] = []
         for key, stream in list(self._streams.items()):
             superseded = newest[stream.node, stream.surface] is not stream
@@ -70,10 +72,45 @@ class Assembler:
                 streams = self._streams
                 events += self._close(min(streams, key=lambda key: streams[key].received_s))
             self._streams[key] = Stream(part, now_s)
-        events += self._streams[key].receive(part, now_s)
-        return events
+            self._rank(key)
+        frames = self._streams[key].receive(part, now_s)
+        if frames:
+            events += self._collision(self._streams[key], now_s)
+        return [*events, *frames]
+
+    def _newest(self) -> dict[tuple[str, str], Stream]:
+        """The session of each (node, surface) that started last, by first arrival."""
+        streams = sorted(self._streams.items(), key=lambda item: self._ranks[item[0]])
+        return {(stream.node, stream.surface): stream for _, stream in streams}
+
+    def _rank(self, key: tuple[str, str, str]) -> None:
+        """Number sessions by first arrival; one that comes back keeps its number."""
+        rank = self._ranks.pop(key, max(self._ranks.values(), default=0) + 1)
+        self._ranks[key] = rank
+        closed = [each for each in self._ranks if each not in self._streams]
+        for each in closed[: max(0, len(closed) - MAX_STREAMS)]:
+            del self._ranks[each]
+
+    def _collision(self, stream: Stream, now_s: float) -> list[Event]:
+        """A collision if an older session still sends frames well after a newer one began.
+
+        Late datagrams of a killed service arrive within `SUPERSEDED_S`.
+        """
+        newest = self._newest()[stream.node, stream.surface]
+        pair = (stream.node, stream.surface, stream.session, newest.session)
+        late = now_s - newest.first_s <= SUPERSEDED_S
+        if stream is newest or late or pair in self._collisions:
+            return []
+        self._collisions.add(pair)
+        return [Collision(stream.surface, stream.node, (stream.session, newest.session))]
+
+    def close(self, node: str, surface: str, session: str) -> list[Event]:
+        """End a session now: its open touches end, and it is reported as lost."""
+        key = (node, surface, session)
+        return self._close(key) if key in self._streams else []
 
     def _close(self, key: tuple[str, str, str]) -> list[Event]:
         stream = self._streams.pop(key)
         self._dropped_before += stream.dropped
+        self._collisions = {pair for pair in self._collisions if stream.session not in pair[2:]}
         return list(stream.close())

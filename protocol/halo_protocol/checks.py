@@ -22,7 +22,7 @@ from halo_protocol.messages import (
     Scene,
     Up,
 )
-from halo_protocol.names import check_name
+from halo_protocol.names import check_name, check_session
 from halo_protocol.version import parse_version
 
 MAX_POINTERS = 64
@@ -38,15 +38,17 @@ def _require(condition: bool, sentence: str) -> None:
 
 def _sender(message: Frame | Scene | Homography | Pose | Health) -> None:
     check_name(message.node, "node")
-    check_name(message.session, "session")
+    check_session(message.session)
 
 
 def _frame(message: Frame) -> None:
     _sender(message)
-    _require(0 <= message.frame < MODULUS, f"frame must be 0 to 2^31 - 1, not {message.frame}")
+    _require(0 <= message.frame < MODULUS, f"frame must be 0 to 2^24 - 1, not {message.frame}")
     _require(message.time_s >= 0, f"time_s must not be negative: {message.time_s}")
     fraction = message.time_frac_us
     _require(0 <= fraction < 1_000_000, f"time_frac_us must be 0 to 999999, not {fraction}")
+    ms = message.session_ms
+    _require(0 <= ms < MODULUS, f"session_ms must be 0 to 2^24 - 1, not {ms}")
     count = message.count
     _require(0 <= count <= MAX_POINTERS, f"count must be 0 to {MAX_POINTERS}, not {count}")
 
@@ -61,21 +63,32 @@ def _counted(message: Pointer | Down | Up) -> None:
 
 def _alive(message: Alive) -> None:
     ids = message.ids
-    _require(len(ids) <= MAX_POINTERS, f"at most {MAX_POINTERS} pointers live, not {len(ids)}")
-    _require(len(set(ids)) == len(ids), "the alive list names an id twice")
+    _require(
+        len(ids) <= MAX_POINTERS, f"at most {MAX_POINTERS} pointers can be alive, not {len(ids)}"
+    )
+    _require(len(set(ids)) == len(ids), "the alive list has an id twice")
 
 
 def _scene(message: Scene) -> None:
     _sender(message)
     parse_version(message.version)
     size = f"{message.width_mm} x {message.height_mm}"
-    _require(message.width_mm > 0 and message.height_mm > 0, f"a surface has a size, not {size}")
+    _require(message.collision in (0, 1), f"collision must be 0 or 1, not {message.collision}")
+    port = message.control_port
+    _require(0 <= port < 2**16, f"control_port must be 0 to 65535, not {port}")
+    _require(
+        message.width_mm > 0 and message.height_mm > 0,
+        f"the size of a surface must be positive, not {size}",
+    )
 
 
 def _homography(message: Homography) -> None:
     _sender(message)
     size = f"{message.width_px} x {message.height_px}"
-    _require(message.width_px > 0 and message.height_px > 0, f"a projector has pixels, not {size}")
+    _require(
+        message.width_px > 0 and message.height_px > 0,
+        f"the size of a projector image must be positive, not {size}",
+    )
 
 
 def _pose(message: Pose) -> None:

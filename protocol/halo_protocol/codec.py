@@ -27,14 +27,15 @@ from halo_protocol.osc import (
 )
 from halo_protocol.table import ROW_OF_KIND, ROW_OF_MESSAGE, Row
 
-MAX_DATAGRAM = 1432
-"""Ethernet's 1500 bytes less the longest IPv4 header (60) and UDP's (8): arrives in one piece."""
+MAX_BUNDLE = 1232
+"""Default of the largest bundle in bytes: IPv6's smallest packet (1280) minus its header (40) and
+UDP's (8), so no VPN or tunnel fragments it."""
 
 _ROOT = ROOT.encode()
 
 
 def encode(surface: str, message: Message, time_us: int | None = None) -> bytes:
-    """A bundle of one message; its timetag is `time_us` (Unix time) or "now".
+    """A bundle of one message; its timetag is `time_us` (Unix time) or "immediately".
 
     Meant for scene, homography, pose and health. `ProtocolError` if a value cannot be sent.
     """
@@ -48,24 +49,29 @@ def encode_frame(
     pointers: Sequence[Pointer],
     downs: Sequence[Down] = (),
     ups: Sequence[Up] = (),
+    *,
+    max_bytes: int = MAX_BUNDLE,
+    timetagged: bool = False,
 ) -> list[bytes]:
-    """A frame as one or more bundles of at most `MAX_DATAGRAM` bytes.
+    """A frame as one or more bundles of at most `max_bytes` bytes.
 
-    Each has the header first and the full alive list last; events go before pointers, hence
-    into the first. The timetag is the frame's time. `ProtocolError` where `header.count` is
-    not the number of pointers, at more than 64 pointers or `MAX_EVENTS` events, and where a
-    value cannot be sent; nothing is cut off silently.
+    Each has the header first and the full alive list last; events go before pointers. The
+    timetag is "immediately", or the frame's time if `timetagged`. `ProtocolError` if
+    `header.count` is not the number of pointers, for more than 64 pointers or `MAX_EVENTS`
+    events, if a value cannot be sent, and if `max_bytes` is too small for one pointer.
     """
     if header.count != len(pointers):
-        raise ProtocolError(f"count says {header.count} pointers, there are {len(pointers)}")
+        raise ProtocolError(f"count is {header.count}, but there are {len(pointers)} pointers")
     if len(downs) + len(ups) > MAX_EVENTS:
         raise ProtocolError(f"a frame has at most {MAX_EVENTS} events, not {len(downs) + len(ups)}")
     first = _encoded(surface, header)
     last = _encoded(surface, Alive(tuple(pointer.id for pointer in pointers)))
     messages: list[Message] = [*downs, *ups, *pointers]
     items = [_encoded(surface, message) for message in messages]
-    room = MAX_DATAGRAM - len(bundle(IMMEDIATELY, first, last))
-    tag = timetag(header.time_us)
+    room = max_bytes - len(bundle(IMMEDIATELY, first, last))
+    if room < max((4 + len(item) for item in items), default=0):
+        raise ProtocolError(f"a bundle of {max_bytes} bytes is too small for this frame")
+    tag = timetag(header.time_us) if timetagged else IMMEDIATELY
     return [bundle(tag, first, *part, last) for part in _parts(items, room)]
 
 
@@ -175,7 +181,9 @@ def _decoded(row: Row, data: bytes, position: int, end: int) -> Message:
         message = row.message(values)
     else:
         if not tags.startswith(_wire_tags(row.tags)):
-            raise ProtocolError(f"{row.kind} begins with ,{row.tags}, not {tags[:60]!r}")
+            raise ProtocolError(
+                f"{row.kind} must start with the types ,{row.tags}, not {tags[:60]!r}"
+            )
         values, position = _unpack(row, data, position, end)
         message = row.message(*(values if row.plain else _folded(row, values)))
     if len(tags) == 1 + len(values) and position != end:

@@ -1,19 +1,18 @@
 """The frame counter.
 
-Rule: all modular arithmetic is here. No clock is read: Unix time is an argument.
-A counter seeded from time in steps of 10 ms stays ahead of whatever was sent before the
-restart as long as the source makes at most 100 frames a second.
+Rule: all modular arithmetic is here. No clock is read: Unix time is an argument. Every number is
+below 2^24, so that clients that have only float32 numbers hold it exactly.
 """
 
-MODULUS = 2**31
-"""An OSC int is a signed 32-bit number; the counter uses its non-negative half."""
-WINDOW = 2**30
+MODULUS = 2**24
+"""Counters use 0 to 2^24 - 1: a float32 has a mantissa of 24 bits."""
+WINDOW = MODULUS // 2
 """Half of it: a number less than this ahead is newer, any other is older."""
 STEP_US = 10_000
 
 
 def first_frame(unix_time_us: int) -> int:
-    """The number to start a live session with."""
+    """The number to start a live session with: Unix time in steps of 10 ms."""
     return unix_time_us // STEP_US % MODULUS
 
 
@@ -23,10 +22,15 @@ def next_frame(frame: int) -> int:
 
 
 def ahead(a: int, b: int) -> int:
-    """How many frames `a` is ahead of `b`, 0 to 2^31 - 1."""
+    """How many frames `a` is ahead of `b`, 0 to 2^24 - 1."""
     return (a - b) % MODULUS
 
 
 def is_newer(a: int, b: int) -> bool:
-    """Whether `a` was sent after `b`."""
+    """Whether `a` was sent after `b`, within one session."""
     return 0 < ahead(a, b) < WINDOW
+
+
+def session_ms(time_us: int, start_us: int) -> int:
+    """Milliseconds since the start of a session, modulo 2^24 (4 h 39 min)."""
+    return (time_us - start_us) // 1000 % MODULUS

@@ -30,6 +30,8 @@ class TouchFrame:
     """Frames that were sent since the last one (by the counter) and never arrived."""
     complete: bool = True
     """False if a part was lost: its pointers stay as in the frame before."""
+    session_ms: int = 0
+    """Milliseconds since the session's first frame, modulo 2^24."""
 
     @property
     def events(self) -> tuple[Down | Up, ...]:
@@ -55,7 +57,17 @@ class Lost:
     session: str
 
 
-Event = TouchFrame | Report | Lost
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """Two running services use one node name; reported once per pair of sessions."""
+
+    surface: str
+    node: str
+    sessions: tuple[str, str]
+    """The older and the newer session, by first arrival."""
+
+
+Event = TouchFrame | Report | Lost | Collision
 
 
 def in_order(event: Down | Up) -> tuple[int, int, bool]:

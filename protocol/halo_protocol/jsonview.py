@@ -10,7 +10,7 @@ from enum import IntEnum
 from typing import Any
 
 from halo_protocol.errors import ProtocolError
-from halo_protocol.events import Event, Lost, Report
+from halo_protocol.events import Collision, Event, Lost, Report
 from halo_protocol.messages import (
     Calibration,
     Camera,
@@ -59,6 +59,9 @@ def event_to_json(event: Event) -> dict[str, Any]:
     if isinstance(event, Report):
         kind = ROW_OF_MESSAGE[type(event.message)].kind
         return {"kind": kind, "surface": event.surface, **to_json(event.message)}
+    if isinstance(event, Collision):
+        where = {"surface": event.surface, "node": event.node}
+        return {"kind": "collision", **where, "sessions": list(event.sessions)}
     source = {"surface": event.surface, "node": event.node, "session": event.session}
     if isinstance(event, Lost):
         return {"kind": "lost", **source}
@@ -67,6 +70,7 @@ def event_to_json(event: Event) -> dict[str, Any]:
         "time_us": event.time_us,
         **source,
         "frame": event.frame,
+        "session_ms": event.session_ms,
         "pointers": [to_json(pointer) for pointer in event.pointers],
         "events": [
             {"kind": "down" if isinstance(item, Down) else "up", **to_json(item)}
@@ -84,7 +88,7 @@ def from_json(kind: str, view: dict[str, Any]) -> Message:
     """
     row = ROW_OF_KIND.get(kind)
     if row is None:
-        raise ProtocolError(f"no message is called {kind!r}; known: {', '.join(ROW_OF_KIND)}")
+        raise ProtocolError(f"unknown message {kind!r}; choose from: {', '.join(ROW_OF_KIND)}")
     return row.message(**{field.name: _read(field, kind, view) for field in row.fields})
 
 
@@ -110,7 +114,9 @@ def _value(field: Field, kind: str, value: Any) -> Any:
     if numbers is not None and isinstance(value, str):
         if value not in numbers:
             known = ", ".join(numbers)
-            raise ProtocolError(f"{kind}: {field.name} {value[:40]!r} is none of {known}")
+            raise ProtocolError(
+                f"{kind}: unknown {field.name} {value[:40]!r}; choose from: {known}"
+            )
         return numbers[value]
     if not _fits(field, value):
         raise ProtocolError(f"{kind}: {field.name} cannot be {value!r}"[:200])

@@ -83,15 +83,17 @@ class Frame:
     node: str
     """Name of the service that sends, `[a-z0-9_-]{1,32}`."""
     session: str
-    """Name of this run of the service, same characters; new at every start."""
+    """Name of this run of the service, `[g-z][a-z0-9_-]{0,31}`; new at every start."""
     frame: int
-    """Counts up modulo 2^31, never backwards over a restart."""
+    """Counts up by 1 modulo 2^24; exact in a float32."""
     time_s: int
     """Whole seconds of the frame's time: Unix time when live, the file's own time in replay."""
     time_frac_us: int
     """Microseconds within the second, 0 to 999999."""
     count: int
     """Pointers of the whole frame, over all of its datagrams."""
+    session_ms: int = 0
+    """Milliseconds since the session's first frame, modulo 2^24; exact in a float32."""
 
     @property
     def time_us(self) -> int:
@@ -210,6 +212,10 @@ class Scene:
     """A `Source`."""
     rate_hz: float
     """Nominal frames per second of the source; 0 if it has none."""
+    control_port: int = 0
+    """UDP port of the service for messages from clients; 0 if it has none."""
+    collision: int = 0
+    """1 if another service with the same node name was found, else 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,6 +276,10 @@ class Health:
     """A `Camera`."""
     tracker_ms: float = -1.0
     """Median age of the hand tracker's result at a frame; -1 if unknown."""
+    clock_jumps: int = 0
+    """How often the host's clock was set (by more than 0.1 s), in this session."""
+    clock_error_ms: float = 0.0
+    """Host's Unix time minus the time in frames, which approaches it by 0.5 ms per second."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

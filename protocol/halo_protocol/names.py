@@ -22,12 +22,23 @@ ZENOH_KINDS = ("frame", "scene", "homography", "pose", "health")
 
 # Lower case without dots, slashes or wildcards: safe in OSC patterns, Zenoh keys and file names.
 _NAME = re.compile(r"[a-z0-9_-]{1,32}")
+# Without digits, a to f and signs at the start no tool can read it as a number: 1e205678 is one.
+_SESSION = re.compile(r"[g-z][a-z0-9_-]{0,31}")
 
 
 def check_name(name: str, what: str) -> str:
-    """Return `name`, of a node or a session; `ProtocolError` if it is not `[a-z0-9_-]{1,32}`."""
+    """Return the name of a node; `ProtocolError` if it is not `[a-z0-9_-]{1,32}`."""
     if not _NAME.fullmatch(name):
         raise ProtocolError(f"{what} must be 1 to 32 of a-z 0-9 _ -, not {name[:40]!r}")
+    return name
+
+
+def check_session(name: str) -> str:
+    """Return the name of a session; `ProtocolError` if it is not `[g-z][a-z0-9_-]{0,31}`."""
+    if not _SESSION.fullmatch(name):
+        raise ProtocolError(
+            f"session must be 1 to 32 of a-z 0-9 _ - and start with g to z, not {name[:40]!r}"
+        )
     return name
 
 

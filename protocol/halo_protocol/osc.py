@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from halo_protocol.errors import ProtocolError
 
 Argument = int | float | str | bytes | None
-"""An OSC argument; None for `N` and `I`, which carry nothing."""
+"""An OSC argument; None for `N` and `I`, which have no data."""
 
 MAX_BYTES = 65_507
 """The largest payload of a UDP datagram; also the limit on other carriers."""
@@ -62,20 +62,20 @@ def message_spans(datagram: bytes) -> list[tuple[int, int]]:
 
 def _spans(data: bytes, start: int, end: int, depth: int) -> Iterator[tuple[int, int]]:
     if (end - start) % 4:
-        raise ProtocolError(f"OSC comes in fours of bytes, here are {end - start}")
+        raise ProtocolError(f"the size of an OSC packet must be a multiple of 4, not {end - start}")
     if not data.startswith(BUNDLE, start, end):
         yield start, end
         return
     if depth == 0:
-        raise ProtocolError(f"bundles lie more than {MAX_DEPTH} deep")
+        raise ProtocolError(f"bundles are nested more than {MAX_DEPTH} deep")
     position = start + len(BUNDLE) + 8
     if position > end:
-        raise ProtocolError(f"a bundle has at least 16 bytes, here are {end - start}")
+        raise ProtocolError(f"a bundle has at least 16 bytes, not {end - start}")
     while position < end:
         (size,) = _INT.unpack_from(data, position)
         position += 4
         if not 0 < size <= end - position:
-            raise ProtocolError(f"an element says {size} bytes, {end - position} are left")
+            raise ProtocolError(f"an element of {size} bytes has {end - position} bytes left")
         yield from _spans(data, position, position + size, depth - 1)
         position += size
 
@@ -87,7 +87,7 @@ def read_string(data: bytes, start: int, end: int) -> tuple[bytes, int]:
         raise ProtocolError(f"a string has no end: {data[start : min(end, start + 40)]!r}")
     following = stop + 4 - (stop - start) % 4
     if following > end:
-        raise ProtocolError(f"a string is not filled up to fours: {data[start:stop][:40]!r}")
+        raise ProtocolError(f"a string is not padded to 4 bytes: {data[start:stop][:40]!r}")
     return data[start:stop], following
 
 
@@ -123,7 +123,7 @@ def _message(data: bytes, start: int, end: int) -> tuple[str, tuple[Argument, ..
         if tag in "[]":
             depth += 1 if tag == "[" else -1
             if depth < 0:
-                raise ProtocolError(f"an array ends that never began: {tags[:40]!r}")
+                raise ProtocolError(f"an array ends without a start: {tags[:40]!r}")
             continue
         argument, position = _argument(tag, data, position, end)
         arguments.append(argument)
@@ -145,7 +145,7 @@ def _argument(tag: str, data: bytes, position: int, end: int) -> tuple[Argument,
         return _blob(data, position, end)
     if tag in "rm":  # A colour and a MIDI message: four bytes each.
         return _bytes(data, position, 4, end)
-    raise ProtocolError(f"no OSC argument has the type {tag!r}")
+    raise ProtocolError(f"unknown OSC argument type {tag!r}")
 
 
 def _number(kind: struct.Struct, data: bytes, position: int, end: int) -> tuple[int | float, int]:

@@ -51,7 +51,7 @@ class Part:
     def closed(self, ids: tuple[int, ...]) -> Part:
         """This part with its alive list."""
         if len(ids) != self.header.count:
-            raise ProtocolError(f"count says {self.header.count} pointers, {len(ids)} are alive")
+            raise ProtocolError(f"count is {self.header.count}, but {len(ids)} ids are alive")
         if not self.pointers.keys() <= set(ids):
             raise ProtocolError(f"a pointer is not alive: {sorted(self.pointers)}, alive {ids}")
         self.ids = ids
@@ -67,7 +67,7 @@ def parts(messages: Iterable[tuple[str, Message]]) -> list[Part | Report]:
             done.append(Report(surface, message))
         elif isinstance(message, Frame):
             if surface in begun:
-                raise ProtocolError(f"a frame of {surface!r} begins before the last one ended")
+                raise ProtocolError(f"a frame of {surface!r} starts before the last one has ended")
             begun[surface] = Part(surface, message)
         elif surface not in begun:
             raise ProtocolError(f"a message of {surface!r} comes before its frame's header")
@@ -80,5 +80,5 @@ def parts(messages: Iterable[tuple[str, Message]]) -> list[Part | Report]:
         else:
             begun[surface].add_event(message)
     if begun:
-        raise ProtocolError(f"no alive list ends the frame of {', '.join(begun)}")
+        raise ProtocolError(f"the alive list is missing in the frame of {', '.join(begun)}")
     return done

@@ -21,8 +21,10 @@ class Stream:
         self.surface = part.surface
         self.node = part.header.node
         self.session = part.header.session
+        self.first_s = now_s
+        """Arrival of its first datagram, on the caller's clock."""
         self.received_s = now_s
-        """Arrival of its last datagram, on the caller's clock."""
+        """Arrival of its last datagram."""
         self.dropped = 0
         """Parts that were old, duplicate, or contradicted their frame."""
         self._touches = TouchCounter()
@@ -106,5 +108,6 @@ class Stream:
             ups,
             missed=ahead(header.frame, last.frame) - 1 if last else 0,
             complete=complete,
+            session_ms=header.session_ms,
         )
         return self._last

@@ -16,7 +16,9 @@ from typing import Any
 
 from halo_protocol import messages
 
-FRAME = "node:s session:s frame:i time_s:i time_frac_us:i count:i"  # append; never reorder
+FRAME = (
+    "node:s session:s frame:i time_s:i time_frac_us:i count:i session_ms:i"  # append; never reorder
+)
 POINTER = (
     "id:i slot:i hand:i finger:i state:i u:f v:f x_mm:f y_mm:f hover_mm:f pressure:f "
     "vx_mm_s:f vy_mm_s:f confidence:f contacts:i force_g:f"  # append; never reorder
@@ -26,7 +28,8 @@ DOWN = "id:i slot:i u:f v:f strike_mm_s:f ago_ms:f contacts:i"  # append; never 
 UP = "id:i slot:i u:f v:f ago_ms:f contacts:i"  # append; never reorder
 SCENE = (
     "node:s session:s version:s width_mm:f height_mm:f "
-    "calibration:i revision:i source:i rate_hz:f"  # append; never reorder
+    "calibration:i revision:i source:i rate_hz:f "
+    "control_port:i collision:i"  # append; never reorder
 )
 HOMOGRAPHY = (
     "node:s session:s revision:i width_px:i height_px:i "
@@ -38,7 +41,7 @@ POSE = (
 )
 HEALTH = (
     "node:s session:s fps:f latency_ms:f drops:i bad_frames:i "
-    "tracker:i camera:i tracker_ms:f"  # append; never reorder
+    "tracker:i camera:i tracker_ms:f clock_jumps:i clock_error_ms:f"  # append; never reorder
 )
 
 

@@ -38,9 +38,10 @@ def _frame(
             len(pointers),
             node=node,
             session=session,
-            frame=(COUNTER + number) % 2**31,
+            frame=(COUNTER + number) % 2**24,
             time_s=1_700_000_000 + time_us // 1_000_000,
             time_frac_us=time_us % 1_000_000,
+            session_ms=time_us // 1000 % 2**24,
         ),
         pointers,
         [event for event in events if isinstance(event, Down)],
@@ -67,12 +68,12 @@ _MANY_UPS = [up(200 + i, slot=i) for i in range(40)]
 ASSEMBLIES = [
     AssemblyCase(
         "one-by-one",
-        "Frames as they come; the fourth never came, and is missed.",
+        "Frames as they arrive; the fourth is lost and counted as missed.",
         _steps(_frame(1), _frame(2, [pointer()]), _frame(3, [pointer()]), _frame(5)),
     ),
     AssemblyCase(
         "repeated-down-is-one-hit",
-        "A down is sent with three frames and told with the first.",
+        "A down is sent with three frames and reported with the first.",
         _steps(
             _frame(1, [pointer()]),
             *(_frame(i, [touching()], [down(ago_ms=40.0 * i - 70)]) for i in (2, 3, 4)),
@@ -82,22 +83,22 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "first-copy-lost",
-        "Frame 2 never came: its down is told with frame 3.",
+        "Frame 2 is lost: its down is reported with frame 3.",
         _steps(_frame(1, [pointer()]), _frame(3, [touching()], [down(ago_ms=50.0)])),
     ),
     AssemblyCase(
         "all-copies-lost",
-        "The pointer's contacts tell of the hit: a down with strike -1 is made up.",
+        "The contacts of the pointer show the hit: a down with strike -1 is inferred.",
         _steps(_frame(1, [pointer()]), _frame(5, [touching()])),
     ),
     AssemblyCase(
         "whole-touch-lost",
-        "Down and up are made up, and where two touches were lost the number says so.",
+        "Down and up are inferred; if two touches were lost, the number shows it.",
         _steps(_frame(1, [pointer()]), _frame(9, [pointer(contacts=2)])),
     ),
     AssemblyCase(
         "up-lost",
-        "A pointer that hovers again has ended its touch, told or not.",
+        "A pointer that hovers again has ended its touch, even without an up.",
         _steps(
             _frame(1, [pointer()]),
             _frame(2, [touching()], [down()]),
@@ -106,17 +107,17 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "finger-gone-in-touch",
-        "So has one that is no longer alive.",
+        "A pointer that is no longer alive has ended its touch, too.",
         _steps(_frame(1, [pointer()]), _frame(2, [touching()], [down()]), _frame(6)),
     ),
     AssemblyCase(
         "up-without-its-down",
-        "The finger touched and left between two frames: the down is made up from the up.",
+        "The finger touched and left between two frames: the down is inferred from the up.",
         _steps(_frame(1), _frame(5, events=[up(ago_ms=20.0)])),
     ),
     AssemblyCase(
         "up-of-an-earlier-touch",
-        "Once a later touch was told, an earlier one is over.",
+        "After a later touch was reported, an earlier one is over.",
         _steps(
             _frame(1, [pointer()]),
             _frame(2, [touching(contacts=3)], [down(contacts=3)]),
@@ -133,19 +134,19 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "late-joiner",
-        "Who comes in mid-touch hears no hit that was before, and hears of its end.",
+        "A client that joins during a touch gets no earlier hit, but gets the end of the touch.",
         _steps(
             _frame(1, [_TOUCH]), _frame(2, [_TOUCH]), _frame(3, [pointer(contacts=3)], [up(7, 3)])
         ),
     ),
     AssemblyCase(
         "late-joiner-of-a-part",
-        "Likewise where a part of the first frame was lost.",
+        "The same if a part of the first frame was lost.",
         _steps(_frame(1, _LONG_TOUCHED)[1:], _frame(2, _LONG_TOUCHED)),
     ),
     AssemblyCase(
         "late-joiner-after-a-touch",
-        "An up that is still repeated, of a touch that was before, is none.",
+        "A repeated up of an earlier touch is not reported.",
         _steps(_frame(1, [pointer(contacts=3)], [up(7, 3)]), _frame(2, [pointer(contacts=3)])),
     ),
     AssemblyCase(
@@ -153,42 +154,42 @@ ASSEMBLIES = [
         "A down that is still repeated is a hit.",
         _steps(_frame(1, [_TOUCH], [down(contacts=3)]), _frame(2, [_TOUCH], [down(contacts=3)])),
     ),
-    AssemblyCase("split", "Told when both parts are there.", _steps(_SPLIT_1)),
+    AssemblyCase("split", "Reported when both parts have arrived.", _steps(_SPLIT_1)),
     AssemblyCase("split-backwards", "In any order.", _steps(_SPLIT_1[::-1])),
     AssemblyCase(
         "split-and-part-lost",
         "The newer frame ends the wait: fingers of the lost part stay where they were, and nothing "
-        "is made up that the newer one tells better.",
+        "is inferred that the newer frame contains.",
         _steps(_frame(0, hands(12)), _SPLIT_1[1:], _SPLIT_2),
     ),
     AssemblyCase(
         "split-and-never-whole",
-        "A part lost from the first frame: its fingers are not known yet.",
+        "A part of the first frame is lost: its fingers are unknown.",
         _steps(_SPLIT_1[:1], _frame(2, hands(1))),
     ),
     AssemblyCase(
         "parts-of-different-frames",
-        "One number, two frames: what contradicts the first part is passed over.",
+        "One number, two frames: a part that contradicts the first one is dropped.",
         _steps(_SPLIT_1[:1], _frame(1, _OTHERS)[1:], _SPLIT_1[1:]),
     ),
     AssemblyCase(
         "more-events-than-fit",
-        "Events in a further datagram of a frame that is told already are told by themselves.",
+        "Late events of a frame that was already reported come in an event of their own.",
         _steps(_frame(1), _frame(2, events=_MANY_UPS)),
     ),
     AssemblyCase(
         "old-and-twice",
-        "What is not newer is passed over.",
+        "A frame that is not newer is dropped.",
         _steps(_frame(5), _frame(5), _frame(4), _frame(6)),
     ),
     AssemblyCase(
         "counter-wraps",
-        "0 is newer than 2^31 - 1.",
-        _steps(_frame(2**31 - 1 - COUNTER), _frame(2**31 - COUNTER)),
+        "0 is newer than 2^24 - 1.",
+        _steps(_frame(2**24 - 1 - COUNTER), _frame(2**24 - COUNTER)),
     ),
     AssemblyCase(
         "restart",
-        "A new session begins afresh with a smaller number; the old finger goes soon after.",
+        "A new session starts with a smaller number; the old finger ends soon after.",
         [
             *_steps(_frame(5, [touching()], [down()])),
             Step(0.4, _frame(1, session="s2")[0]),
@@ -197,12 +198,14 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "two-sessions-of-one-node",
-        "Two services of one name, both alive: the one without fingers says so once a second.",
+        "Two running services with one name: a collision, reported once. Both stay separate.",
         [
             Step(0.0, _frame(1)[0]),
             Step(0.3, _frame(1, [pointer()], session="s2")[0]),
             Step(0.7, _frame(2, [pointer()], session="s2")[0]),
             Step(1.0, _frame(2)[0]),
+            Step(1.1, _frame(3, [pointer()], session="s2")[0]),
+            Step(2.0, _frame(3)[0]),
         ],
     ),
     AssemblyCase(
@@ -219,7 +222,7 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "silence",
-        "A service that says nothing for three seconds is gone, and its touches end.",
+        "After three seconds of silence a service is lost, and its touches end.",
         [
             *_steps(_frame(1, [pointer()]), _frame(2, [touching()], [down()])),
             Step(3.0),
@@ -229,7 +232,7 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "back-after-silence",
-        "Like a late joiner's: no hits that were before.",
+        "Like a late joiner: no earlier hits.",
         [
             *_steps(_frame(1, [touching()], [down()])),
             Step(5.0, _frame(9, [touching(contacts=5)])[0]),
@@ -237,19 +240,19 @@ ASSEMBLIES = [
     ),
     AssemblyCase(
         "reports-pass",
-        "A scene is told as it comes.",
+        "A scene is reported each time.",
         [Step(0.0, encode(TABLE, SCENE)), Step(0.5, encode(TABLE, SCENE))],
     ),
     AssemblyCase(
         "parts-that-are-none",
-        "Each is refused whole, and the frame after them is told as if they had not been.",
+        "Each is refused whole, and the frame after them is reported as usual.",
         _steps(
             [now(*_PART[1:])],  # no header
             [now(*_PART[:-1])],  # no alive list
             [now(_PART[0], *_PART)],  # two headers
             [now(*_PART[:-1], *_PART[1:])],  # a pointer twice
             [now(_PART[0], _PART[-1], *_PART[1:])],  # a pointer behind the alive list
-            [now(_PART[0], *elements(_frame(1)[0])[1:])],  # count 1, nobody alive
+            [now(_PART[0], *elements(_frame(1)[0])[1:])],  # count 1, none alive
             [now(*_PART[:2], *elements(_frame(1, [pointer(8)])[0])[2:])],  # another is alive
             _frame(1, [pointer()]),
         ),

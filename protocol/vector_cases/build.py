@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from halo_protocol import (
+    MAX_BUNDLE,
     Down,
     Finger,
     Frame,
@@ -21,7 +22,7 @@ from halo_protocol.osc import IMMEDIATELY, bundle, message_spans, padded
 
 TABLE = "table"
 UNIX_S = 1_700_000_000
-COUNTER = UNIX_S * 100 % 2**31
+COUNTER = UNIX_S * 100 % 2**24
 
 
 @dataclass(frozen=True)
@@ -35,10 +36,20 @@ class FrameCase:
     downs: Sequence[Down] = ()
     ups: Sequence[Up] = ()
     surface: str = TABLE
+    max_bytes: int = MAX_BUNDLE
+    timetagged: bool = False
 
     def datagrams(self) -> list[bytes]:
         """The frame's bytes."""
-        return encode_frame(self.surface, self.header, self.pointers, self.downs, self.ups)
+        return encode_frame(
+            self.surface,
+            self.header,
+            self.pointers,
+            self.downs,
+            self.ups,
+            max_bytes=self.max_bytes,
+            timetagged=self.timetagged,
+        )
 
 
 @dataclass(frozen=True)
@@ -81,7 +92,7 @@ class AssemblyCase:
 
 def header(count: int, **changes: str | int) -> Frame:
     """A header with default values."""
-    plain = Frame("desk", "s1", COUNTER, UNIX_S, 500_000, count)
+    plain = Frame("desk", "s1", COUNTER, UNIX_S, 500_000, count, 1500)
     return replace(plain, **changes)  # type: ignore[arg-type]
 
 

@@ -38,7 +38,7 @@ READINGS = [
     ),
     BytesCase(
         "strangers-in-between",
-        "Addresses that are not known are passed over, whatever they carry.",
+        "Unknown addresses are skipped, with any arguments.",
         now(
             message("/1/fader1", "f", floats(float("nan"))),
             message("/halo/2/table/up", "iii", ints(1, 2, 3)),
@@ -52,17 +52,17 @@ READINGS = [
     ),
     BytesCase(
         "appended-arguments",
-        "A later minor version appends: what follows the known arguments is not looked at.",
+        "A later minor version appends: arguments after the known ones are ignored.",
         now(raw_up(UP_TAGS + _EXTRA_TAGS, rest=_EXTRA)),
     ),
     BytesCase(
         "appended-unknown-type",
-        "Nor is it looked at where its type is not known.",
+        "The same for arguments of an unknown type.",
         now(raw_up(UP_TAGS + "?", rest=ints(1, 2))),
     ),
     BytesCase(
         "unknown-enumerations",
-        "A number that has no word yet stays a number.",
+        "An unknown enumeration number stays a number.",
         now(
             message(
                 "/halo/1/table/pointer",
@@ -76,9 +76,9 @@ READINGS = [
     ),
     BytesCase(
         "two-surfaces",
-        "One bundle may speak of several surfaces.",
+        "One bundle can contain several surfaces.",
         now(raw_up(), message("/halo/1/wall/alive", "ii", ints(3, 4))),
     ),
-    BytesCase("empty-bundle", "A bundle of nothing says nothing.", now()),
+    BytesCase("empty-bundle", "A bundle without messages.", now()),
     BytesCase("empty-alive-list", "No tags but the comma.", message("/halo/1/table/alive", "")),
 ]

@@ -18,22 +18,21 @@ from vector_cases.build import (
 )
 
 _LONG = "a-name-of-thirty-two-characters_"
+_LONG_SESSION = "session-of-thirty-two-characters"
 
 FRAMES = [
-    FrameCase(
-        "empty", "No finger: what the last one leaves behind, and the keep-alive.", header(0)
-    ),
+    FrameCase("empty", "No finger: sent when the last one leaves, and as keep-alive.", header(0)),
     FrameCase("hovering", "One finger in the air.", header(1), [pointer()]),
     FrameCase(
         "touch-begins",
-        "The first frame of a touch holds its right position and tells the down.",
+        "The first frame of a touch has its right position and the down.",
         header(1),
         [touching()],
         [down()],
     ),
     FrameCase(
         "touch-ends",
-        "The next frame but one: the down is told for the third time, the up for the first.",
+        "Two frames later: the down for the third time, the up for the first.",
         header(1),
         [pointer(contacts=1)],
         [down(ago_ms=79.0)],
@@ -41,11 +40,25 @@ FRAMES = [
     ),
     FrameCase(
         "last-finger-left",
-        "An up without a pointer: the finger was taken away while it touched.",
+        "An up without a pointer: the finger left the view while it touched.",
         header(0),
         ups=[up()],
     ),
-    FrameCase("ten-fingers", "Two hands in one datagram.", header(10), hands(10)),
+    FrameCase("ten-fingers", "Two hands in two datagrams of 1232 bytes.", header(10), hands(10)),
+    FrameCase(
+        "ten-fingers-in-one",
+        "Two hands in one datagram, with a larger limit.",
+        header(10),
+        hands(10),
+        max_bytes=1432,
+    ),
+    FrameCase(
+        "timetagged",
+        "The option for clients that schedule: the timetag is the frame's time.",
+        header(1),
+        [pointer()],
+        timetagged=True,
+    ),
     FrameCase("split", "Twelve fingers in two datagrams.", header(12), hands(12)),
     FrameCase(
         "split-with-events",
@@ -57,20 +70,20 @@ FRAMES = [
     FrameCase(
         "long-names",
         "Names of 32 characters leave room for fewer pointers.",
-        header(10, node=_LONG, session=_LONG),
+        header(10, node=_LONG, session=_LONG_SESSION),
         hands(10),
         surface=_LONG,
     ),
     FrameCase("largest", "64 fingers, the most there can be.", header(64), hands(64)),
     FrameCase(
         "counter-at-its-end",
-        "The largest frame number; the next is 0.",
-        header(0, frame=2**31 - 1),
+        "The largest frame number and session time; the next is 0.",
+        header(0, frame=2**24 - 1, session_ms=2**24 - 1),
     ),
     FrameCase(
         "replay",
         "A recording's own time, counted from 0.",
-        header(0, session="desk-3f2a", frame=0, time_s=0, time_frac_us=463_945),
+        header(0, session="replay-3f2a", frame=0, time_s=0, time_frac_us=463_945, session_ms=463),
     ),
     FrameCase(
         "off-the-surface",
@@ -86,7 +99,7 @@ FRAMES = [
     ),
 ]
 
-SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0)
+SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0, 4257, 0)
 _MATRIX_3X3 = (6.5, 0.125, -40.0, -0.0625, 6.25, 12.5, 0.0009765625, -0.00048828125, 1.0)
 _MATRIX_3X4 = (1.0, 0.0, 0.0, -150.0, 0.0, 0.75, -0.5, -100.0, 0.0, 0.5, 0.75, 520.0)
 
@@ -94,8 +107,8 @@ REPORTS = [
     ReportCase("scene-camera", "A calibrated camera.", SCENE),
     ReportCase(
         "scene-virtual",
-        "The virtual sensor says so.",
-        replace(SCENE, source=2, calibration=1, revision=0),
+        "The virtual camera, without a control port; another service has the same name.",
+        replace(SCENE, source=2, calibration=1, revision=0, control_port=0, collision=1),
     ),
     ReportCase(
         "scene-recording",
@@ -116,8 +129,13 @@ REPORTS = [
     ),
     ReportCase("health", "All is well.", Health("desk", "s1", 29.75, 3.5, 2, 1, 3, 1, 33.25)),
     ReportCase(
+        "health-clock-set",
+        "The host's clock was set back by 30 s; the time in frames follows slowly.",
+        Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 1, -29_984.5),
+    ),
+    ReportCase(
         "health-camera-lost",
-        "The camera was unplugged; latencies are not known.",
+        "The camera is unplugged; latencies are unknown.",
         Health("desk", "s1", 0.0, -1.0, 2, 40, 0, 2, -1.0),
     ),
 ]

@@ -68,7 +68,7 @@ def test_a_real_recording_reaches_oscdump_and_a_zenoh_subscriber(
 
     heard = lines_until(dump, lambda line: "/halo/1/table/alive" in line)
     frame = next(line for line in heard if "/halo/1/table/frame" in line)
-    assert re.search(r'ssiiii "desk" "[0-9a-f]{8}" \d+ \d+ \d+ 0$', frame), frame
+    assert re.search(r'ssiiiii "desk" "s[0-9a-f]{8}" \d+ \d+ \d+ 0 \d+$', frame), frame
     assert not any("/pointer" in line for line in heard)
 
     samples = lines_until(subscriber, lambda line: line.startswith("halo/1/desk/table/frame"))

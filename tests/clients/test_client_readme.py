@@ -33,7 +33,7 @@ def test_the_program_in_the_readme_runs(
     program = (CLIENTS / readme).read_text().partition("```python\n")[2].partition("```")[0]
     assert len(program.splitlines()) <= 20
     example = tmp_path / "example.py"
-    example.write_text(program.replace("127.0.0.1:9000", f"127.0.0.1:{free_port}"))
+    example.write_text(program.replace("127.0.0.1:4256", f"127.0.0.1:{free_port}"))
     service = udp_service(free_port)
     with subprocess.Popen([sys.executable, str(example)], stdout=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None

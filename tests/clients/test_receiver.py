@@ -11,7 +11,17 @@ import pytest
 
 import halo_client
 from halo_client import ClientError, Receiver
-from halo_protocol import Event, Homography, Lost, Report, TouchFrame, encode
+from halo_protocol import (
+    Event,
+    Frame,
+    Homography,
+    Lost,
+    Pointer,
+    Report,
+    TouchFrame,
+    encode,
+    encode_frame,
+)
 
 
 def receive_all(
@@ -142,7 +152,7 @@ def test_a_port_in_use_is_one_sentence_with_the_remedy(free_port: int) -> None:
 
 def test_an_address_of_another_machine_is_one_sentence() -> None:
     with pytest.raises(ClientError, match=r"is 192\.0\.2\.1 an address of this machine"):
-        halo_client.receive("osc://192.0.2.1:9000")
+        halo_client.receive("osc://192.0.2.1:4256")
 
 
 def test_closing_twice_is_fine(free_port: int) -> None:
@@ -220,3 +230,75 @@ def test_a_zenoh_endpoint_that_cannot_be_is_one_sentence(url: str) -> None:
         halo_client.receive(url)
     assert "\n" not in str(refused.value)
     assert ".rs:" not in str(refused.value)
+
+
+def from_services(*frames: tuple[str, str, int]) -> list[bytes]:
+    """A frame with one finger per (node, session, number)."""
+    return [
+        encode_frame("table", Frame(node, session, number, number, 0, 1), [finger])[0]
+        for node, session, number in frames
+        for finger in [Pointer(1, 0, 2, 1, 0, 0.5, 0.5, 150, 100, 3, 0, 0, 0, 1, 0, -1)]
+    ]
+
+
+def sessions(receiver: Receiver, datagrams: list[bytes], service: Any) -> list[tuple[str, int]]:
+    """(session, number of pointers) of the frames that are reported."""
+    for datagram in datagrams:
+        service.raw(datagram)
+    events = [event for _ in datagrams for event in receiver.poll(0.5)]
+    return [(frame.session, len(frame.pointers)) for frame in frames_in(events)]
+
+
+def test_the_first_service_is_followed_and_others_are_named(
+    received: tuple[Receiver, Any], caplog: pytest.LogCaptureFixture
+) -> None:
+    receiver, service = received
+    datagrams = from_services(("desk", "s1", 1), ("wall", "s2", 1), ("desk", "s1", 2))
+    with caplog.at_level(logging.WARNING, "halo_client"):
+        assert sessions(receiver, datagrams, service) == [("s1", 1), ("s1", 1)]
+    assert receiver.following == ("desk", "table", "s1")
+    assert "also receives 'wall' on surface 'table', which is ignored" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("query", "followed"), [("?node=wall", ["s2"]), ("?follow=all", ["s1", "s2"])]
+)
+def test_another_service_can_be_followed_or_all(
+    udp_service: Callable[..., Any], query: str, followed: list[str]
+) -> None:
+    with halo_client.receive(f"osc://127.0.0.1:0{query}") as receiver:
+        service = udp_service(int(receiver.url.rpartition(":")[2]))
+        datagrams = from_services(("desk", "s1", 1), ("wall", "s2", 1))
+        assert [session for session, _ in sessions(receiver, datagrams, service)] == followed
+
+
+def test_a_restarted_service_is_followed_at_once_and_its_old_finger_ends(
+    received: tuple[Receiver, Any],
+) -> None:
+    receiver, service = received
+    datagrams = from_services(("desk", "s1", 900), ("desk", "s2", 5), ("desk", "s2", 6))
+    assert sessions(receiver, datagrams, service) == [("s1", 1), ("s1", 0), ("s2", 1), ("s2", 1)]
+
+
+def test_of_two_services_with_one_name_the_newer_is_followed_and_it_is_reported(
+    received: tuple[Receiver, Any], caplog: pytest.LogCaptureFixture
+) -> None:
+    receiver, service = received
+    first = from_services(("desk", "s1", 1), ("desk", "s2", 1), ("desk", "s1", 2))
+    assert sessions(receiver, first, service) == [("s1", 1), ("s1", 0), ("s2", 1)]
+    with caplog.at_level(logging.WARNING, "halo_client"):
+        for n in range(8):
+            time.sleep(0.1)
+            later = from_services(("desk", "s2", 2 + n), ("desk", "s1", 3 + n))
+            assert sessions(receiver, later, service) == [("s2", 1)]
+    assert receiver.losses.collisions == 1
+    assert "two running services are called 'desk'" in caplog.text
+
+
+def test_another_service_is_followed_after_the_first_is_lost(
+    received: tuple[Receiver, Any],
+) -> None:
+    receiver, service = received
+    assert sessions(receiver, from_services(("desk", "s1", 1)), service) == [("s1", 1)]
+    receive_all(receiver, lambda events: any(isinstance(e, Lost) for e in events))
+    assert sessions(receiver, from_services(("wall", "s2", 1)), service) == [("s2", 1)]

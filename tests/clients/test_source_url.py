@@ -2,7 +2,7 @@
 
 import pytest
 
-from halo_client import ClientError, OscSource, ZenohSource, parse_source
+from halo_client import ClientError, Follow, OscSource, ZenohSource, parse_source
 
 HERE = ("tcp/127.0.0.1:7447",)
 
@@ -10,11 +10,13 @@ HERE = ("tcp/127.0.0.1:7447",)
 @pytest.mark.parametrize(
     ("url", "source"),
     [
-        ("osc://127.0.0.1:9000", OscSource("127.0.0.1", 9000)),
+        ("osc://127.0.0.1:4256", OscSource("127.0.0.1", 4256)),
         ("osc://0.0.0.0:9005/", OscSource("0.0.0.0", 9005)),
-        ("osc://[::1]:9000", OscSource("::1", 9000)),
-        ("osc://", OscSource("127.0.0.1", 9000)),
+        ("osc://[::1]:4256", OscSource("::1", 4256)),
+        ("osc://", OscSource("127.0.0.1", 4256)),
         ("osc://:0", OscSource("127.0.0.1", 0)),
+        ("osc://?node=desk", OscSource("127.0.0.1", 4256, Follow("desk"))),
+        ("osc://:1?follow=all", OscSource("127.0.0.1", 1, Follow(everything=True))),
         ("zenoh://", ZenohSource(HERE)),
         ("zenoh://?connect=tcp/10.0.0.1:1", ZenohSource(("tcp/10.0.0.1:1",))),
         ("zenoh://?connect=tcp/a:1&connect=udp/b:2", ZenohSource(("tcp/a:1", "udp/b:2"))),
@@ -23,7 +25,7 @@ HERE = ("tcp/127.0.0.1:7447",)
         ("zenoh://?listen=tcp/0.0.0.0:7448", ZenohSource((), listen=("tcp/0.0.0.0:7448",))),
         (
             "zenoh://?mode=client&node=desk&surface=table",
-            ZenohSource(HERE, mode="client", node="desk", surface="table"),
+            ZenohSource(HERE, mode="client", follow=Follow("desk", "table")),
         ),
     ],
 )
@@ -35,12 +37,17 @@ def test_a_source_is_understood(url: str, source: OscSource | ZenohSource) -> No
     ("url", "says"),
     [
         ("", "unknown source"),
-        ("127.0.0.1:9000", "use osc://"),
-        ("udp://127.0.0.1:9000", "use osc://"),
+        ("127.0.0.1:4256", "use osc://"),
+        ("udp://127.0.0.1:4256", "use osc://"),
         ("osc://127.0.0.1:99999", "cannot read"),
         ("osc://127.0.0.1:x", "cannot read"),
-        ("osc://127.0.0.1:9000/path", "needs a host and a port"),
-        ("osc://127.0.0.1:9000?a=b", "needs a host and a port"),
+        ("osc://127.0.0.1:4256/path", "needs a host and a port"),
+        (
+            "osc://127.0.0.1:4256?a=b",
+            "osc: unknown setting 'a'; choose from: node, surface, follow",
+        ),
+        ("osc://?node=A", "osc: node must be"),
+        ("osc://?follow=some", "osc: follow is first or all"),
         ("zenoh://host", "accepts settings only"),
         (
             "zenoh://?conect=tcp/127.0.0.1:1",

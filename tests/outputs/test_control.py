@@ -7,6 +7,7 @@ import random
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from pythonosc.osc_message_builder import OscMessageBuilder
@@ -23,6 +24,7 @@ def port() -> Iterator[tuple[ControlPort, socket.socket]]:
     control = ControlPort("127.0.0.1", number)
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.connect(("127.0.0.1", number))
+    assert control.port == number
     yield control, client
     client.close()
     control.close()
@@ -77,10 +79,18 @@ def test_the_queue_is_bounded(port: tuple[ControlPort, socket.socket]) -> None:
     assert len(control.drain()) <= QUEUE
 
 
-def test_a_port_in_use_is_one_sentence(port: tuple[ControlPort, socket.socket]) -> None:
+def test_a_port_in_use_is_replaced_by_a_free_one(
+    port: tuple[ControlPort, socket.socket], caplog: pytest.LogCaptureFixture
+) -> None:
     _, client = port
-    with pytest.raises(UserError, match="another halo service may be running"):
-        ControlPort("127.0.0.1", client.getpeername()[1])
+    taken = client.getpeername()[1]
+    with closing(ControlPort("127.0.0.1", taken)) as control:
+        assert control.port not in (0, taken)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.sendto(message("/halo/1/control/background"), ("127.0.0.1", control.port))
+        (received,) = wait_for(control, 1)
+    assert received.address == "/halo/1/control/background"
+    assert f"port {taken} is in use, so this service uses {control.port}" in caplog.text
 
 
 @pytest.mark.parametrize("number", [-1, 0, 65_536, 70_000])
@@ -92,5 +102,5 @@ def test_an_invalid_port_number_is_one_sentence(number: int) -> None:
 @pytest.mark.parametrize("host", ["no.such.host.invalid", "192.0.2.1"])
 def test_a_host_of_another_machine_is_not_blamed_on_another_service(host: str) -> None:
     with pytest.raises(UserError, match="host to an address of this machine") as caught:
-        ControlPort(host, 9001)
+        ControlPort(host, 4257)
     assert "another halo service" not in str(caught.value)

@@ -76,7 +76,13 @@ def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -
         assert hits == 1, lost
 
 
+def test_the_session_time_starts_at_the_first_frame() -> None:
+    frames = FrameEncoder("desk", "s1", 0)
+    headers = [messages(frames.encode(touch_frame(n)))[0] for n in (7, 8, 37)]
+    assert [h.session_ms for h in headers if isinstance(h, wire.Frame)] == [0, 33, 999]
+
+
 def test_frames_count_up() -> None:
-    frames = FrameEncoder("desk", "s1", 2**31 - 1)
+    frames = FrameEncoder("desk", "s1", 2**24 - 1)
     numbers = [messages(frames.encode(touch_frame(n)))[0] for n in range(2)]
-    assert [header.frame for header in numbers if isinstance(header, wire.Frame)] == [2**31 - 1, 0]
+    assert [header.frame for header in numbers if isinstance(header, wire.Frame)] == [2**24 - 1, 0]

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from halo_protocol import (
-    MAX_DATAGRAM,
+    MAX_BUNDLE,
     MAX_EVENTS,
     Alive,
     Down,
@@ -25,9 +25,12 @@ from halo_protocol import (
     encode,
     encode_frame,
 )
+from halo_protocol.osc import IMMEDIATELY
 
 HEADER = Frame("desk", "s1", 5, 1_700_000_000, 0, 0)
 POINTER = Pointer(1, 0, 2, 1, 0, 0.5, 0.5, 150.0, 100.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0, -1.0)
+TAG = bytes.fromhex("e8fe6f8000000000")
+"""The time of `HEADER` as NTP."""
 DOWN = Down(1, 0, 0.5, 0.5, 100.0, 10.0, 1)
 UP = Up(1, 0, 0.5, 0.5, 10.0, 1)
 SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 0, 0, 30.0)
@@ -54,8 +57,12 @@ UNSENDABLE = [
     ("a matrix of eight", HOMOGRAPHY, {"projector_from_surface": (1.0,) * 8}),
     ("a matrix with nan", POSE, {"camera_from_surface": (math.nan,) * 12}),
     ("half an anchor", POSE, {"anchored": 2}),
-    ("a frame number too large", HEADER, {"frame": 2**31}),
+    ("a frame number too large", HEADER, {"frame": 2**24}),
     ("a time after 2038", HEADER, {"time_s": 2**31}),
+    ("a session time too large", HEADER, {"session_ms": 2**24}),
+    ("a session like a number", HEADER, {"session": "1e205678"}),
+    ("half a collision", SCENE, {"collision": 2}),
+    ("a control port that does not exist", SCENE, {"control_port": 65_536}),
     ("a million microseconds", HEADER, {"time_frac_us": 1_000_000}),
 ]
 
@@ -78,7 +85,7 @@ def test_an_invalid_surface_is_refused(surface: str) -> None:
 
 
 def test_count_is_the_number_of_pointers() -> None:
-    with pytest.raises(ProtocolError, match="count says 0 pointers, there are 1"):
+    with pytest.raises(ProtocolError, match="count is 0, but there are 1 pointers"):
         encode_frame("table", HEADER, [POINTER])
 
 
@@ -100,21 +107,42 @@ def test_more_than_256_events_are_refused_and_not_cut_off() -> None:
 
 @pytest.mark.parametrize("events", [0, 7, MAX_EVENTS // 2])
 @pytest.mark.parametrize("count", [0, 1, 10, 11, 12, 64])
-@pytest.mark.parametrize("name", ["a", "table", "x" * 32])
-def test_a_frame_of_any_size_is_split_and_whole(name: str, count: int, events: int) -> None:
+@pytest.mark.parametrize("name", ["s", "table", "x" * 32])
+@pytest.mark.parametrize("max_bytes", [768, MAX_BUNDLE, 1432, 8000])
+def test_a_frame_of_any_size_is_split_and_whole(
+    max_bytes: int, name: str, count: int, events: int
+) -> None:
     pointers = [replace(POINTER, id=i, slot=i) for i in range(count)]
     header = replace(HEADER, node=name, session=name, count=count)
     downs = [replace(DOWN, id=i) for i in range(events)]
     ups = [replace(UP, id=i) for i in range(events)]
-    datagrams = encode_frame(name, header, pointers, downs, ups)
-    assert max(map(len, datagrams)) <= MAX_DATAGRAM
+    datagrams = encode_frame(name, header, pointers, downs, ups, max_bytes=max_bytes)
+    assert max(map(len, datagrams)) <= max_bytes
     parts = [[message for _, message in decode(datagram)] for datagram in datagrams]
     assert all(part[0] == header for part in parts)
     assert all(part[-1] == Alive(tuple(range(count))) for part in parts)
     assert [message for part in parts for message in part[1:-1]] == [*downs, *ups, *pointers]
     for datagram, following in pairwise(zip(datagrams, parts, strict=True)):
         first = following[1][1]
-        assert len(datagram[0]) + len(encode(name, first)) - 16 > MAX_DATAGRAM, "room was left"
+        assert len(datagram[0]) + len(encode(name, first)) - 16 > max_bytes, "room was left"
+
+
+def test_ten_fingers_pass_a_tunnel_in_two_bundles() -> None:
+    pointers = [replace(POINTER, id=i, slot=i) for i in range(10)]
+    sizes = list(map(len, encode_frame("table", replace(HEADER, count=10), pointers)))
+    assert len(sizes) == 2
+    assert max(sizes) <= 1280 - 40 - 8, "IPv6's smallest packet minus its headers"
+
+
+def test_a_bundle_too_small_for_a_pointer_is_refused() -> None:
+    with pytest.raises(ProtocolError, match="200 bytes is too small"):
+        encode_frame("table", replace(HEADER, count=1), [POINTER], max_bytes=200)
+
+
+@pytest.mark.parametrize(("timetagged", "timetag"), [(False, IMMEDIATELY), (True, TAG)])
+def test_a_frame_is_for_immediately_unless_timetagged(timetagged: bool, timetag: bytes) -> None:
+    (datagram,) = encode_frame("table", HEADER, [], timetagged=timetagged)
+    assert datagram[8:16] == timetag
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ def written() -> Iterator[tuple[str, bytes, float | None]]:
         for i, part in enumerate(vector["datagrams"]):
             header = part["messages"][0]
             time_s = header["time_s"] + header["time_frac_us"] / 1e6
+            time_s = time_s if vector["timetagged"] else None
             yield f"{vector['name']}/{i}", bytes.fromhex(part["hex"]), time_s
     for vector in json.loads((VECTORS / "reports.json").read_text())["vectors"]:
         time_us = vector["time_us"]

@@ -15,27 +15,29 @@ SPEC = (Path(__file__).parents[2] / "protocol" / "SPEC.md").read_text()
 
 # Version 1.0. Later versions append to these rows and never change them.
 RELEASED = {
-    "frame": "node session frame time_s time_frac_us count",
+    "frame": "node session frame time_s time_frac_us count session_ms",
     "pointer": "id slot hand finger state u v x_mm y_mm hover_mm pressure vx_mm_s vy_mm_s "
     "confidence contacts force_g",
     "alive": "ids",
     "down": "id slot u v strike_mm_s ago_ms contacts",
     "up": "id slot u v ago_ms contacts",
-    "scene": "node session version width_mm height_mm calibration revision source rate_hz",
+    "scene": "node session version width_mm height_mm calibration revision source rate_hz "
+    "control_port collision",
     "homography": "node session revision width_px height_px projector_from_surface",
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
-    "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms",
+    "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
+    "clock_jumps clock_error_ms",
 }
 RELEASED_TAGS = {
-    "frame": "ssiiii",
+    "frame": "ssiiiii",
     "pointer": "iiiiifffffffffif",
     "alive": "",
     "down": "iiffffi",
     "up": "iifffi",
-    "scene": "sssffiiif",
+    "scene": "sssffiiifii",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
-    "health": "ssffiiiif",
+    "health": "ssffiiiifif",
 }
 
 rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)
@@ -70,6 +72,8 @@ def test_a_message_survives_the_wire_and_the_view(row: Row) -> None:
         plain = {"s": f"name-{number}", "i": number, "f": values[0]}[field.tag]
         view[field.name] = plain if field.length == 1 else values[: field.length]
     view |= {"version": "1.2.3"} if "version" in view else {}
+    view |= {"session": "s1"} if "session" in view else {}
+    view |= {"collision": 1} if "collision" in view else {}
     view |= {"anchored": 1} if "anchored" in view else {}
     view = {name: value for name, value in view.items() if name in RELEASED[row.kind].split()}
     message = from_json(row.kind, view)
@@ -82,12 +86,16 @@ UNREADABLE = [
     ("alive", {"ids": 3}, "is a list"),
     ("alive", {"ids": [1, True]}, "cannot be True"),
     ("alive", {"ids": [1.0]}, "cannot be 1.0"),
-    ("later", {}, "no message is called 'later'; known: frame, pointer"),
+    ("later", {}, "unknown message 'later'; choose from: frame, pointer"),
     ("up", {"id": "7"}, "cannot be '7'"),
     ("up", {"id": 7, "slot": 0, "u": True}, "cannot be True"),
     ("up", {"id": 7, "slot": 0, "u": 1e39}, "cannot be 1e"),
     ("up", {"id": 7, "slot": 0, "u": math.nan}, "cannot be nan"),
-    ("pointer", {"id": 7, "slot": 0, "hand": "both"}, "'both' is none of unknown, left, right"),
+    (
+        "pointer",
+        {"id": 7, "slot": 0, "hand": "both"},
+        "unknown hand 'both'; choose from: unknown, left, right",
+    ),
 ]
 
 

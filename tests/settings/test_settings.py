@@ -22,12 +22,12 @@ def test_an_empty_file_is_the_defaults(tmp_path: Path) -> None:
 
 def test_what_is_set_is_set(tmp_path: Path) -> None:
     (tmp_path / "halo.toml").write_text(
-        'node = "stage"\n[osc]\ndestinations = ["10.0.0.2:9000", "127.0.0.1:9000"]\n'
+        'node = "stage"\n[osc]\ndestinations = ["10.0.0.2:4256", "127.0.0.1:4256"]\n'
         "[sensing]\nhover_range_mm = 50\n[zenoh]\nenabled = false\n"
     )
     settings = load(tmp_path / "halo.toml")
     assert settings.node == "stage"
-    assert settings.osc.destinations == ("10.0.0.2:9000", "127.0.0.1:9000")
+    assert settings.osc.destinations == ("10.0.0.2:4256", "127.0.0.1:4256")
     assert settings.sensing.hover_range_mm == 50.0
     assert not settings.zenoh.enabled
 
@@ -37,8 +37,8 @@ def test_what_is_set_is_set(tmp_path: Path) -> None:
     [
         ("[osc]\nprot = 9000\n", "osc: unknown key 'prot'; known: enabled, destinations"),
         ("speed = 3\n", "unknown key 'speed'; known: node, profile, source"),
-        ("[control]\nport = '9001'\n", "control: 'port' must be a whole number, not '9001'"),
-        ("[osc]\ndestinations = '127.0.0.1:9000'\n", "osc: 'destinations' must be a list of text"),
+        ("[control]\nport = '4257'\n", "control: 'port' must be a whole number, not '4257'"),
+        ("[osc]\ndestinations = '127.0.0.1:4256'\n", "osc: 'destinations' must be a list of text"),
         ("[sensing]\nhover_range_mm = true\n", "sensing: 'hover_range_mm' must be a number"),
         ("[sensing]\nfingers = 'thumb'\n", "sensing: 'fingers' must be index or all, not 'thumb'"),
         ("osc = 3\n", "'osc' must be a table"),

@@ -1,6 +1,6 @@
 """Receive touch, hover and pressure from a halo service, over OSC or Zenoh, or from a file.
 
-    for frame in halo_client.frames("osc://127.0.0.1:9000"):
+    for frame in halo_client.frames("osc://127.0.0.1:4256"):
         for pointer in frame.pointers:
             print(pointer.id, pointer.x_mm, pointer.y_mm, pointer.pressure)
 
@@ -10,9 +10,11 @@ It depends on `halo_protocol` and never on the service.
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from typing import overload
 
 from halo_client.errors import ClientError
+from halo_client.follow import FIRST, Follow
 from halo_client.known_services import KnownServices
 from halo_client.picture import PictureTransform
 from halo_client.receiver import Input, Losses, Receiver
@@ -34,6 +36,7 @@ __all__ = [
     "ClientError",
     "Ended",
     "FileSource",
+    "Follow",
     "Input",
     "KnownServices",
     "Losses",
@@ -54,16 +57,19 @@ __all__ = [
 ]
 
 
-def receive(source: str | Source = DEFAULT_SOURCE) -> Receiver:
+def receive(source: str | Source = DEFAULT_SOURCE, *, everything: bool = False) -> Receiver:
     """Open a source; close the receiver, or use it in a `with`.
 
-    `"osc://127.0.0.1:9000"` receives datagrams on a port of this machine,
+    `"osc://127.0.0.1:4256"` receives datagrams on a port of this machine,
     `"zenoh://?connect=tcp/127.0.0.1:7447"` subscribes, `"recording.jsonl"` replays a recorded
-    stream at its own speed. `ClientError` if it cannot be opened.
+    stream at its own speed. It follows the first service that sends a frame, or the one named by
+    `?node=...&surface=...`; `everything` reports all services. `ClientError` if it cannot be
+    opened.
     """
     if isinstance(source, str):
         source = parse_source(source)
-    return Receiver(_open(source))
+    follow = FIRST if isinstance(source, FileSource) else source.follow
+    return Receiver(_open(source), replace(follow, everything=follow.everything or everything))
 
 
 @overload

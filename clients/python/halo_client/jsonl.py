@@ -24,6 +24,7 @@ from halo_protocol import (
     encode,
     encode_frame,
     from_json,
+    session_ms,
 )
 
 _REPORTS = frozenset(ZENOH_KINDS) - {"frame"}
@@ -38,6 +39,7 @@ class JsonlInput:
         self._line = 0
         self._started: tuple[float, int] | None = None
         self._ready: deque[bytes] = deque()
+        self._first_us: int | None = None
         self._due_s = 0.0
         try:
             self._file = source.path.open(encoding="utf-8")
@@ -74,9 +76,9 @@ class JsonlInput:
             line = json.loads(text)
             if not isinstance(line, dict):
                 raise TypeError("an object is expected")
-            self._ready.extend(datagrams(line))
             if "time_us" in line:
                 self._due_s = self._due(line["time_us"])
+            self._ready.extend(datagrams(line, self._first_us))
         except (ValueError, KeyError, TypeError, AttributeError, ProtocolError) as error:
             reason = f"no {error}" if isinstance(error, KeyError) else error
             raise ClientError(
@@ -87,12 +89,16 @@ class JsonlInput:
     def _due(self, time_us: int) -> float:
         if self._started is None:
             self._started = time.monotonic(), time_us
+            self._first_us = time_us
         started_s, first_us = self._started
         return started_s + (time_us - first_us) / 1e6
 
 
-def datagrams(line: dict[str, Any]) -> list[bytes]:
-    """The datagrams of a line. `ProtocolError` or `KeyError` if a field is missing."""
+def datagrams(line: dict[str, Any], first_us: int | None = None) -> list[bytes]:
+    """The datagrams of a line. `ProtocolError` or `KeyError` if a field is missing.
+
+    `first_us`: time of the first frame, for lines without `session_ms`.
+    """
     kind = line.get("kind", "frame")
     if kind in _REPORTS:
         return [encode(line["surface"], from_json(kind, line))]
@@ -102,7 +108,9 @@ def datagrams(line: dict[str, Any]) -> list[bytes]:
     events = [from_json(each["kind"], each) for each in line["events"]]
     time_us: int = line["time_us"]
     time = divmod(time_us, 1_000_000)
-    header = Frame(line["node"], line["session"], line["frame"], *time, len(pointers))
+    since_ms = session_ms(time_us, time_us if first_us is None else first_us)
+    since_ms = line.get("session_ms", since_ms)
+    header = Frame(line["node"], line["session"], line["frame"], *time, len(pointers), since_ms)
     return encode_frame(
         line["surface"],
         header,

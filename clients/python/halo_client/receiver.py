@@ -15,8 +15,18 @@ from dataclasses import dataclass
 from typing import Protocol, Self, overload
 
 from halo_client.errors import EndOfStream
+from halo_client.follow import FIRST, Follow, Follower
 from halo_client.known_services import KnownServices
-from halo_protocol import VERSION, Assembler, Event, Lost, ProtocolError, TouchFrame
+from halo_protocol import (
+    VERSION,
+    Assembler,
+    Collision,
+    Event,
+    Lost,
+    ProtocolError,
+    Report,
+    TouchFrame,
+)
 
 _LOG = logging.getLogger("halo_client")
 _TICK_S = 0.25
@@ -56,13 +66,16 @@ class Losses:
     """Datagrams that could not be decoded."""
     foreign: int = 0
     """Datagrams of another major version of the protocol."""
+    collisions: int = 0
+    """Pairs of running services with the same node name."""
 
 
 class Receiver:
     """Frames and reports from one source. A context manager; it belongs to one thread."""
 
-    def __init__(self, source: Input) -> None:
+    def __init__(self, source: Input, follow: Follow = FIRST) -> None:
         self._source = source
+        self._follower = Follower(follow)
         self._assembler = Assembler()
         self._warned: set[str] = set()
         self.losses = Losses()
@@ -91,7 +104,7 @@ class Receiver:
         for event in events:
             self._remember(event)
         self.losses.dropped = self._assembler.dropped
-        return events
+        return [event for each in events for event in self._followed(each)]
 
     @overload
     def frames(self, timeout_s: None = None) -> Iterator[TouchFrame]: ...
@@ -123,6 +136,36 @@ class Receiver:
     def _poll_timeout(timeout_s: float | None) -> float:
         return _TICK_S if timeout_s is None else min(timeout_s, _TICK_S)
 
+    @property
+    def following(self) -> tuple[str, str, str] | None:
+        """Node, surface and session that are followed now; None before the first frame."""
+        return self._follower.current
+
+    def _followed(self, event: Event) -> list[Event]:
+        """The event, if it is of the service that is followed, and what it ends."""
+        ended: list[Event] = []
+        if isinstance(event, TouchFrame) and (old := self._follower.replaces(event)):
+            ended = self._assembler.close(*old)
+            for each in ended:
+                self._remember(each)
+            self._follower.retire(old)
+        others = len(self._follower.ignored)
+        accepted = self._follower.accepts(event)
+        if len(self._follower.ignored) > others and isinstance(event, TouchFrame):
+            self._warn_of_another(event)
+        return [*ended, event] if accepted else ended
+
+    def _warn_of_another(self, frame: TouchFrame) -> None:
+        _LOG.warning(
+            "%s also receives '%s' on surface '%s', which is ignored; name the one to follow with "
+            "?node=%s&surface=%s, or receive all with ?follow=all",
+            self.url,
+            frame.node,
+            frame.surface,
+            frame.node,
+            frame.surface,
+        )
+
     def _read(self, datagram: bytes, sender: str, now_s: float) -> list[Event]:
         try:
             events = self._assembler.receive_data(datagram, now_s)
@@ -151,12 +194,20 @@ class Receiver:
             )
 
     def _remember(self, event: Event) -> None:
-        if isinstance(event, TouchFrame):
+        if isinstance(event, Collision):
+            self.losses.collisions += 1
+            _LOG.warning(
+                "two running services are called '%s' (sessions %s and %s): give one of them "
+                "another name with `halo serve --node`",
+                event.node,
+                *event.sessions,
+            )
+        elif isinstance(event, TouchFrame):
             self.losses.missed += event.missed
             self.losses.incomplete += not event.complete
         elif isinstance(event, Lost):
             self.services.forget(event)
-        else:
+        elif isinstance(event, Report):
             self.services.update(event)
 
     def __enter__(self) -> Self:

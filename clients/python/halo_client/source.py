@@ -10,11 +10,12 @@ from pathlib import Path
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from halo_client.errors import ClientError
-from halo_protocol import ANY, ProtocolError, check_name, check_surface
+from halo_client.follow import FIRST, Follow
+from halo_protocol import ANY, DEFAULT_PORT, ProtocolError, check_name, check_surface
 
-DEFAULT_SOURCE = "osc://127.0.0.1:9000"
-DEFAULT_OSC_PORT = 9000
+DEFAULT_SOURCE = f"osc://127.0.0.1:{DEFAULT_PORT}"
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
+FOLLOW_SETTINGS = ("node", "surface", "follow")
 RECORDED = ".jsonl"
 """File name suffix of a recorded stream."""
 _EXAMPLES = f"{DEFAULT_SOURCE} or zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
@@ -28,6 +29,8 @@ class OscSource:
     """Address to listen on; 0.0.0.0 receives from the whole network."""
     port: int
     """0: a free port, chosen by the system."""
+    follow: Follow = FIRST
+    """Which service to follow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +45,8 @@ class ZenohSource:
     """Whether to find peers by multicast, which many networks block."""
     mode: str = "peer"
     """`peer` or `client`."""
-    node: str = ANY
-    """Receive from this service only."""
-    surface: str = ANY
-    """Receive this surface only."""
+    follow: Follow = FIRST
+    """Which service to follow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +64,10 @@ Source = OscSource | ZenohSource | FileSource
 def parse_source(url: str) -> Source:
     """Read `osc://HOST:PORT`, `zenoh://?connect=...` or `FILE.jsonl`; else `ClientError`.
 
-    Zenoh's settings: `connect` and `listen` (any number of each), `multicast=on|off`,
-    `mode=peer|client`, `node`, `surface`. Without `connect` and with multicast off, the
-    source is the service on this machine.
+    Both: `?node=...&surface=...` names the service to follow, else the first one is followed;
+    `follow=all` reports every service. Zenoh also has `connect` and `listen` (any number of
+    each), `multicast=on|off` and `mode=peer|client`; without `connect` and with multicast off,
+    the source is the service on this machine.
     """
     if url.endswith(RECORDED) and "://" not in url:
         return FileSource(Path(url))
@@ -82,41 +84,57 @@ def parse_source(url: str) -> Source:
 
 
 def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:
-    if parts.query or parts.path not in ("", "/"):
+    if parts.path not in ("", "/"):
         raise ClientError(f"osc needs a host and a port, not {url!r}; use {DEFAULT_SOURCE}")
-    return OscSource(parts.hostname or "127.0.0.1", DEFAULT_OSC_PORT if port is None else port)
+    settings = _settings("osc", parts, FOLLOW_SETTINGS)
+    return OscSource(
+        parts.hostname or "127.0.0.1",
+        DEFAULT_PORT if port is None else port,
+        _follow("osc", settings),
+    )
 
 
 def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
     if parts.netloc or parts.path not in ("", "/"):
         raise ClientError(f"zenoh accepts settings only, not {url!r}; use {_EXAMPLES}")
-    settings = parse_qs(parts.query, keep_blank_values=True)
-    known = ("connect", "listen", "multicast", "mode", "node", "surface")
-    for name in settings:
-        if name not in known:
-            raise ClientError(f"zenoh: unknown setting {name!r}; choose from: {', '.join(known)}")
-    multicast = _one_of(settings, "multicast", ("off", "on")) == "on"
+    settings = _settings("zenoh", parts, ("connect", "listen", "multicast", "mode"))
+    multicast = _one_of("zenoh", settings, "multicast", ("off", "on")) == "on"
     listen = tuple(settings.get("listen", ()))
     only_local = not multicast and not listen
     default = (DEFAULT_ZENOH_ENDPOINT,) if only_local else ()
-    try:
-        node = check_name(settings["node"][-1], "node") if "node" in settings else ANY
-        surface = check_surface(settings["surface"][-1]) if "surface" in settings else ANY
-    except ProtocolError as error:
-        raise ClientError(f"zenoh: {error}") from error
     return ZenohSource(
         connect=tuple(settings.get("connect", default)),
         listen=listen,
         multicast=multicast,
-        mode=_one_of(settings, "mode", ("peer", "client")),
-        node=node,
-        surface=surface,
+        mode=_one_of("zenoh", settings, "mode", ("peer", "client")),
+        follow=_follow("zenoh", settings),
     )
 
 
-def _one_of(settings: dict[str, list[str]], name: str, known: tuple[str, ...]) -> str:
+def _settings(scheme: str, parts: SplitResult, known: tuple[str, ...]) -> dict[str, list[str]]:
+    settings = parse_qs(parts.query, keep_blank_values=True)
+    known = tuple(dict.fromkeys((*known, *FOLLOW_SETTINGS)))
+    for name in settings:
+        if name not in known:
+            raise ClientError(
+                f"{scheme}: unknown setting {name!r}; choose from: {', '.join(known)}"
+            )
+    return settings
+
+
+def _follow(scheme: str, settings: dict[str, list[str]]) -> Follow:
+    everything = _one_of(scheme, settings, "follow", ("first", "all")) == "all"
+    try:
+        node = check_name(settings["node"][-1], "node") if "node" in settings else ANY
+        surface = check_surface(settings["surface"][-1]) if "surface" in settings else ANY
+    except ProtocolError as error:
+        raise ClientError(f"{scheme}: {error}") from error
+    return Follow(node, surface, everything)
+
+
+def _one_of(scheme: str, settings: dict[str, list[str]], name: str, known: tuple[str, ...]) -> str:
     """The value of a setting; default: the first known one."""
     word = settings.get(name, [known[0]])[-1]
     if word not in known:
-        raise ClientError(f"zenoh: {name} is {' or '.join(known)}, not {word!r}")
+        raise ClientError(f"{scheme}: {name} is {' or '.join(known)}, not {word!r}")
     return word

@@ -36,7 +36,7 @@ class ZenohInput:
             self._session = zenoh.open(zenoh_config(source))
         except zenoh.ZError as error:
             raise ClientError(_cannot_open(source, error)) from error
-        key = zenoh_key(source.node, source.surface, ANY)
+        key = zenoh_key(source.follow.node, source.follow.surface, ANY)
         self._subscriber = self._session.declare_subscriber(key, self._store)
         self._foreign = self._session.declare_subscriber(_OTHERS, self._store_foreign)
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"

@@ -14,7 +14,7 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="SOURCE",
-        help="where frames come from: osc://127.0.0.1:9000 (default), "
+        help="where frames come from: osc://127.0.0.1:4256 (default), "
         "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
     parser.add_argument(

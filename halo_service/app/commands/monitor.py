@@ -7,7 +7,7 @@ import argparse
 from halo_tools import monitor
 
 SUMMARY = "show what a running service sends"
-EXAMPLE = "halo monitor --from osc://127.0.0.1:9000"
+EXAMPLE = "halo monitor --from osc://127.0.0.1:4256"
 
 add_arguments = monitor.add_arguments
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from halo_service.app.options import add_profile, add_source, settings_from
 
 SUMMARY = "run the service: read a camera, send touches"
-EXAMPLE = "halo serve --profile desk --osc 192.168.1.20:9000"
+EXAMPLE = "halo serve --profile desk --osc 192.168.1.20:4256"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--osc",
         action="append",
         metavar="HOST:PORT",
-        help="send OSC here instead of 127.0.0.1:9000; may be repeated",
+        help="send OSC here instead of 127.0.0.1:4256; may be repeated",
     )
     parser.add_argument("--no-osc", action="store_true", help="send no OSC")
     parser.add_argument(
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--no-zenoh", action="store_true", help="open no Zenoh session")
     parser.add_argument(
-        "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 9001)"
+        "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 4257)"
     )
 
 

@@ -18,10 +18,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--from",
         dest="service",
         nargs="?",
-        const="osc://127.0.0.1:9000",
+        const="osc://127.0.0.1:4256",
         metavar="URL",
         help="use the touches of a running service, not a source "
-        "(without URL: osc://127.0.0.1:9000)",
+        "(without URL: osc://127.0.0.1:4256)",
     )
     add_screen(parser)
     parser.add_argument(

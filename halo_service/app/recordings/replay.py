@@ -43,9 +43,9 @@ def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
 
 
 def session_of(recording: Path) -> str:
-    """Name the session after the file's content, so that every run says the same."""
+    """Name the session after the file's content, so that every run writes the same name."""
     with recording.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()[:16]
+        return f"r{hashlib.file_digest(file, 'sha256').hexdigest()[:15]}"
 
 
 @contextmanager

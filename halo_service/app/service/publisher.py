@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
 import halo_protocol as wire
 from halo_service.geometry.camera import Camera
+from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.profile import Profile, Projector
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health
@@ -37,13 +41,18 @@ class Publisher:
         kind: SourceKind,
         camera: Camera,
         surface: str,
+        control_port: int = 0,
+        names: NameWatch | None = None,
     ) -> None:
-        """`surface`: its name, in every address; `kind`: what stands behind the frames."""
+        """`surface`: its name, in every address; `kind`: what the frames come from;
+        `control_port`: 0 if there is none; `names`: notices other services of the same name."""
         self._frames = frames
         self._carriers = carriers
         self._kind = kind
         self._camera = camera
         self._surface = surface
+        self._control_port = control_port
+        self._names = names
         self._errors = ErrorLog()
 
     def frame(self, told: TouchFrame) -> None:
@@ -69,6 +78,8 @@ class Publisher:
             revision,
             SOURCES[self._kind],
             float(self._camera.fps),
+            self._control_port,
+            collision=int(self._names is not None and self._names.collision(time.monotonic())),
         )
         self._send("scene", [wire.encode(self._surface, scene)])
         if profile is not None:  # after the scene, whose revision they belong to
@@ -89,6 +100,8 @@ class Publisher:
             wire.Tracker[vitals.tracker.upper()],
             wire.Camera[vitals.camera.upper()],
             vitals.tracker_ms,
+            CLOCK.jumps,
+            CLOCK.error_ms,
         )
         self._send("health", [wire.encode(self._surface, health)])
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import secrets
 import signal
-import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from functools import partial
@@ -19,9 +18,11 @@ from halo_service.app.service.publisher import Publisher
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
+from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.osc import OscOutput, destination
 from halo_service.outputs.settings import LISTEN
 from halo_service.profile import Profile
@@ -43,12 +44,16 @@ def serve(settings: Settings) -> None:
         stack.callback(control.close)
         kept = load(profile_path(settings.profile)) if settings.profile else None
         surface = kept.surface.name if kept else DEFAULT_SURFACE[0]
-        carriers = _carriers(settings, node, surface, stack)
+        session = f"s{secrets.token_hex(4)}"
+        names = NameWatch(node, session)
+        carriers = _carriers(settings, names, surface, stack)
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
         profile = profile_for(source, kept, settings)
-        frames = FrameEncoder(node, secrets.token_hex(4), wire.first_frame(time.time_ns() // 1000))
-        publisher = Publisher(frames, carriers, source.kind, source.camera, surface)
+        frames = FrameEncoder(node, session, wire.first_frame(CLOCK.unix_us()))
+        publisher = Publisher(
+            frames, carriers, source.kind, source.camera, surface, control.port, names
+        )
         tracker = _tracker(source, profile, settings)
         if tracker is not None:
             stack.callback(tracker.close)
@@ -60,7 +65,7 @@ def serve(settings: Settings) -> None:
         again = partial(_same_again, reopen, source.camera)
         loop = LiveLoop(source, again, tracker, state, publisher, orders.obey, keeper.watch)
         _stop_on_signals(loop)
-        _greet(settings, source, profile, node)
+        _greet(settings, source, profile, node, control.port)
         loop.run()
 
 
@@ -107,7 +112,9 @@ def _same_again(reopen: Callable[[], Source], camera: Camera) -> Source:
     return source
 
 
-def _carriers(settings: Settings, node: str, surface: str, stack: ExitStack) -> list[Carrier]:
+def _carriers(
+    settings: Settings, names: NameWatch, surface: str, stack: ExitStack
+) -> list[Carrier]:
     carriers: list[Carrier] = []
     if settings.osc.enabled:
         osc = OscOutput([destination(each) for each in settings.osc.destinations])
@@ -115,7 +122,9 @@ def _carriers(settings: Settings, node: str, surface: str, stack: ExitStack) -> 
     if settings.zenoh.enabled:
         from halo_service.outputs.zenoh import ZenohOutput
 
-        carriers.append(stack.enter_context(closing(ZenohOutput(settings.zenoh, node, surface))))
+        carriers.append(
+            stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))
+        )
     return carriers
 
 
@@ -127,11 +136,13 @@ def _stop_on_signals(loop: LiveLoop) -> None:
     signal.signal(signal.SIGTERM, stop)
 
 
-def _greet(settings: Settings, source: Source, profile: Profile | None, node: str) -> None:
+def _greet(
+    settings: Settings, source: Source, profile: Profile | None, node: str, control_port: int
+) -> None:
     osc = ", ".join(settings.osc.destinations) if settings.osc.enabled else "off"
     set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
     zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
     log.info("source %s %s, serial %s", source.kind, settings.source.name, source.camera.serial)
     log.info("calibration %s", profile.calibrated if profile else "none")
     log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
-    log.info("node %s, control port %d; Ctrl-C ends", node, settings.control.port)
+    log.info("node %s, control port %d; Ctrl-C ends", node, control_port)

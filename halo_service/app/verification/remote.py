@@ -31,7 +31,7 @@ def heard(url: str, screen: ScreenRequest) -> Grid:
     """Hear a service at an address (`osc://...`) until all is touched, the display is closed or
     Ctrl-C. Raises `UserError`."""
     try:
-        receiver = halo_client.receive(url)
+        receiver = halo_client.receive(url, everything=True)
     except halo_client.ClientError as error:
         raise UserError(f"verify: {error}") from error
     with receiver, Display(screen.display, full_screen=not screen.window) as display:

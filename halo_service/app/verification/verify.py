@@ -48,7 +48,7 @@ class VerifyRequest:
 
     screen: ScreenRequest = field(default_factory=ScreenRequest)
     service: str | None = None
-    """Where a running service is heard, e.g. `osc://127.0.0.1:9000`; None: sense here."""
+    """Where a running service is heard, e.g. `osc://127.0.0.1:4256`; None: sense here."""
     within_mm: float = WITHIN_MM
 
 

@@ -27,7 +27,7 @@ def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) 
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     path = tmp_path / "program.py"
-    path.write_text(program.replace("127.0.0.1:9000", f"127.0.0.1:{port}").replace(*NO_DEVICE))
+    path.write_text(program.replace("127.0.0.1:4256", f"127.0.0.1:{port}").replace(*NO_DEVICE))
     env = os.environ | {"SDL_VIDEODRIVER": "dummy"}
     with (
         subprocess.Popen([sys.executable, path], stderr=subprocess.PIPE, text=True, env=env) as run,

@@ -156,7 +156,7 @@ def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -
         (("halo-paint", "--from", "none.jsonl", "--render", "a.png"), "cannot read none.jsonl"),
         (("halo-paint", "--render", "a.png"), "needs a recorded stream"),
         (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
-        (("halo", "demo", "flute"), "invalid choice: 'flute'"),
+        (("halo", "demo", "flute"), "unknown client 'flute'; choose from: drums, paint"),
     ],
 )
 def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], message: str) -> None:

@@ -155,8 +155,9 @@ def _beside_a_block(height_mm: float, camera_mm: float) -> tuple[Depth, Depth, i
     empty, full = ([sensor.frame(k, (), t) for k in range(6)] for t in ((), things))
     depth = np.array([f.depth[rows] for f in full], dtype=np.float64)
     depth[depth == 0.0] = np.nan
-    before = np.mean([f.depth[rows] for f in empty], axis=0)
-    excess = _mean(depth - before, (0, 1))
+    before = np.array([f.depth[rows] for f in empty], dtype=np.float64)
+    before[before == 0.0] = np.nan
+    excess = _mean(depth - _mean(before, 0), (0, 1))
     infrared = np.mean([f.ir[rows] for f in full], axis=(0, 1)) / np.mean(
         [f.ir[rows] for f in empty], axis=(0, 1)
     )

@@ -1,7 +1,7 @@
 """What the electronics add: noise, fixed pattern, drift, and pixels that read nothing.
 
 Rule: images in, images out. Fresh random numbers for a whole frame cost 20 ms, so they come from
-pools: larger images that are cut at a new random place, and mirrored, each time.
+pools: larger images that are cut at a new random place, and turned over, each time.
 """
 
 from __future__ import annotations
@@ -58,9 +58,7 @@ class Pool:
         rows, columns = shape or self._shape
         y = int(rng.integers(0, 1 + self._numbers.shape[0] - rows))
         x = int(rng.integers(0, 1 + self._numbers.shape[1] - columns))
-        cut = self._numbers[y : y + rows, x : x + columns]
-        mirrored = int(rng.integers(0, 4))
-        return cut[:: 1 - 2 * (mirrored & 1), :: 1 - (mirrored & 2)]
+        return self._numbers[y : y + rows, x : x + columns]
 
 
 class Electronics:
@@ -77,39 +75,41 @@ class Electronics:
         self._white = Pool(white, shape)
         self._correlated = Pool(_boxed(white, model.noise_box_px), shape)
         self._slow = Pool(_waves(rng, size), shape)
-        self._chance = Pool(rng.random(size, np.float32), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
         self._too_dark = Pool(dark.astype(np.float32), shape)
         self._pattern = _fixed_pattern(lens)
-        self._flicker = _flicker(lens, MODES[camera.depth_mode].field, model)
+        self._seen = _most_counts(_flicker(lens, MODES[camera.depth_mode].field, model), model)
         self._holes = room.surface_material.holes
 
     def depth(self, seen: Ideal, age_s: float, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16, mm, 0 where nothing is measured."""
-        ideal, infrared = seen.depth, seen.infrared
-        bright = np.maximum(infrared, np.float32(1.0))
-        sigma = np.sqrt(np.float32(PHOTON_MM**2 * PHOTON_IR) / bright + np.float32(FLOOR_MM**2))
-        sigma *= self._times
-        sigma *= self._correlated.draw(rng)
+        infrared = seen.infrared
+        read: Image = cv2.divide(PHOTON_MM**2 * PHOTON_IR, infrared) + np.float32(FLOOR_MM**2)
+        cv2.sqrt(read, dst=read)
+        cv2.multiply(read, self._correlated.draw(rng), dst=read, scale=self._turned(rng))
         if self._model.slow_noise_mm:
-            sign = np.float32(rng.choice((-1.0, 1.0)) * self._model.slow_noise_mm)
-            sigma += self._slow.draw(rng) * (sign * self._times)
+            slow_mm = self._turned(rng) * self._model.slow_noise_mm
+            cv2.scaleAdd(self._slow.draw(rng), slow_mm, read, dst=read)
         drift = -DRIFT_MM * float(np.exp(-max(age_s, 0.0) / self._model.warm_up_s))
-        sigma += np.float32(drift + 0.5)  # 0.5: the cast below cuts, this rounds
-        sigma += self._pattern
-        sigma += ideal
-        read: NDArray[np.uint16] = sigma.astype(np.uint16)
-        chance = self._chance.draw(rng)
-        read[(chance < self._flicker) | (infrared < self._too_dark.draw(rng))] = 0
+        # 0.5: the cast below cuts, this rounds.
+        cv2.addWeighted(read, 1.0, seen.depth, 1.0, drift + 0.5, dst=read)
+        cv2.add(read, self._pattern, dst=read)
+        valid = cv2.compare(cv2.min(infrared, self._seen), self._too_dark.draw(rng), cv2.CMP_GE)
+        whole = read.astype(np.uint16)
         if self._holes:
-            read[(chance < self._holes) & (seen.covered == 0)] = 0
-        return read
+            valid[(rng.random(valid.shape, np.float32) < self._holes) & (seen.covered == 0)] = 0
+        return np.asarray(cv2.bitwise_and(whole, whole, mask=valid), dtype=np.uint16)
+
+    def _turned(self, rng: np.random.Generator) -> float:
+        """The room's share of the noise, of either sign: what is drawn twice stays independent."""
+        return float(rng.choice((-1.0, 1.0)) * self._times)
 
     def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16 counts, 65535 where it saturates."""
-        read = (ideal * np.float32(IR_NOISE) + np.float32(IR_FLOOR)) * self._white.draw(rng)
-        read += ideal
-        return np.clip(read, 0.0, 65535.0).astype(np.uint16)
+        read = cv2.multiply(ideal, self._white.draw(rng), scale=IR_NOISE)
+        cv2.scaleAdd(self._white.draw(rng), IR_FLOOR, read, dst=read)
+        cv2.add(read, ideal, dst=read)
+        return np.clip(read, 0.0, 65535.0, out=read).astype(np.uint16)
 
     def grain(self, image: NDArray[np.uint8], rng: np.random.Generator) -> None:
         """Add noise to a colour image, in place."""
@@ -154,3 +154,11 @@ def _flicker(lens: Lens, field: float, model: SensorModel) -> Image:
         return np.asarray(beyond > 0.0, dtype=np.float32)
     rim = 1.0 / (1.0 + np.exp(np.clip(-beyond / soft_px, -50.0, 50.0)))
     return np.asarray(model.flicker + (1.0 - model.flicker) * rim, dtype=np.float32)
+
+
+def _most_counts(chance: Image, model: SensorModel) -> Image:
+    """(H, W) infrared that reads 0 with a chance: no pixel is more sure than that."""
+    if model.dark_flicker_counts == 0.0:
+        return np.where(chance < 0.5, np.float32(np.inf), np.float32(0.0))
+    counts = TOO_DARK - model.dark_flicker_counts * np.log(np.maximum(chance, 1e-30))
+    return np.asarray(counts, dtype=np.float32)

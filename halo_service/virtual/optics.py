@@ -43,7 +43,7 @@ def soften_edges(
     wide = np.ones((model.edge_width_px, model.edge_width_px), np.uint8)
     edge = (cv2.dilate(covered, wide) != cv2.erode(covered, wide)) | moving
     step = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
-    loss = np.where(step > EDGE_STEP_MM, np.float32(model.edge_loss), np.float32(0.0))
+    loss = (step > EDGE_STEP_MM) * np.float32(model.edge_loss)
     loss[moving] = model.moving_edge_loss
     lost = edge & (rng.random(depth.shape, np.float32) < loss)
     mixed = cv2.GaussianBlur(depth, (0, 0), model.edge_sigma_px)
@@ -61,23 +61,23 @@ def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) 
     box = _around(ideal.covered, round(3.0 * LONG_PX * times)) if model.stray_light else None
     if box is None:
         return
-    raised: Image = np.maximum(table[box] - ideal.depth[box] + ideal.late[box], 0.0)
-    rows, columns = raised.shape
-    small = cv2.resize(
-        raised,
-        (-(-columns // STRAY_TIMES), -(-rows // STRAY_TIMES)),
-        interpolation=cv2.INTER_AREA,
+    box = _aligned(box)
+    rows, columns = ideal.depth[box].shape
+    size = columns // STRAY_TIMES, rows // STRAY_TIMES
+    there, here, late = (
+        cv2.resize(image[box], size, interpolation=cv2.INTER_AREA)
+        for image in (table, ideal.depth, ideal.late)
     )
-    stray = np.zeros(small.shape, np.float32)
+    raised: Image = np.maximum(there - here + late, 0.0)
+    # A wide plane of one height reads right: only what is lower than its surroundings is lifted.
+    nearer = raised * np.float32(-(SHORT_SHARE + LONG_SHARE) * model.stray_light)
     for sigma, share in ((SHORT_PX, SHORT_SHARE), (LONG_PX, LONG_SHARE)):
         blurred = cv2.GaussianBlur(
-            small, (0, 0), sigma * times / STRAY_TIMES, borderType=cv2.BORDER_REPLICATE
+            raised, (0, 0), sigma * times / STRAY_TIMES, borderType=cv2.BORDER_REPLICATE
         )
-        stray += np.float32(share * model.stray_light) * blurred
-    everywhere = cv2.resize(stray, (columns, rows), interpolation=cv2.INTER_LINEAR)
-    # A wide plane of one height reads right: only what is lower than its surroundings is lifted.
-    own = raised * np.float32((SHORT_SHARE + LONG_SHARE) * model.stray_light)
-    ideal.depth[box] -= np.maximum(everywhere - own, 0.0)
+        cv2.scaleAdd(blurred, share * model.stray_light, nearer, dst=nearer)
+    nearer = np.maximum(nearer, 0.0)
+    ideal.depth[box] -= cv2.resize(nearer, (columns, rows), interpolation=cv2.INTER_LINEAR)
 
 
 def cast_shadow(
@@ -85,17 +85,20 @@ def cast_shadow(
 ) -> tuple[Box, NDArray[np.bool_]] | None:
     """Darken what the illuminator does not reach beside a body, in place; it reads late, or
     nothing: return where."""
-    box = _around(ideal.covered, WIDEST_SHADOW_PX) if model.illuminator_mm else None
+    box = _around(ideal.covered, WIDEST_SHADOW_PX, 0) if model.illuminator_mm else None
     if box is None:
         return None
-    covered, behind = ideal.covered[box] > 0, table[box]
+    covered = ideal.covered[box] > 0
     here = ideal.depth[box] - ideal.late[box]
-    shift = np.float32(lens.fx * model.illuminator_mm) * (1.0 / here - 1.0 / behind)
-    shift *= covered
-    shade = np.zeros(covered.shape, np.bool_)
-    for px in range(1, min(WIDEST_SHADOW_PX, round(float(shift.max()))) + 1):
-        shade[:, :-px] |= shift[:, px:] >= np.float32(px - 0.5)
-    shade &= ~covered
+    column = np.arange(covered.shape[1], dtype=np.float32)
+    # The column that a pixel of a body darkens: how far the illuminator's view differs from ours.
+    darkens = np.float32(lens.fx * model.illuminator_mm) * (here - table[box])
+    darkens /= here
+    darkens /= table[box]
+    darkens += column
+    darkens[~covered] = np.inf
+    leftmost = np.minimum.accumulate(darkens[:, ::-1], axis=1)[:, ::-1]
+    shade = (leftmost <= column + np.float32(0.5)) & ~covered
     count = int(np.count_nonzero(shade))
     ideal.infrared[box][shade] *= np.float32(model.shadow_light)
     ideal.depth[box][shade] += np.float32(model.shadow_late_mm) * rng.standard_exponential(
@@ -117,10 +120,20 @@ def clipped(
     return rows, slice(max(0, int(x0)), max(0, min(shape[1], int(x1) + 1)))
 
 
-def _around(mask: NDArray[np.uint8], margin_px: int) -> Box | None:
-    """The mask's bounding box with a margin; None where it is empty."""
+def _aligned(box: Box) -> Box:
+    """Grown to whole blocks of stray light; images are whole blocks in every mode."""
+    rows, columns = (
+        slice(s.start // STRAY_TIMES * STRAY_TIMES, -(-s.stop // STRAY_TIMES) * STRAY_TIMES)
+        for s in box
+    )
+    return rows, columns
+
+
+def _around(mask: NDArray[np.uint8], margin_px: int, above_px: int | None = None) -> Box | None:
+    """The mask's bounding box with a margin, above and below `above_px`; None: it is empty."""
     x, y, width, height = cv2.boundingRect(mask)
     if width == 0:
         return None
-    low, high = (x - margin_px, y - margin_px), (x + width + margin_px, y + height + margin_px)
+    above_px = margin_px if above_px is None else above_px
+    low, high = (x - margin_px, y - above_px), (x + width + margin_px, y + height + above_px)
     return clipped(low, high, mask.shape)

@@ -53,18 +53,24 @@ def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
     in_front = np.hypot(points[:, 0], points[:, 1]) < WIDEST * points[:, 2]
     faces = _towards(px, np.where(in_front, points[:, 2], 0.0).astype(np.float32), faces)
     face, row, first, last = _spans(lens, px, faces)
-    count = last - first + 1
-    span = np.repeat(np.arange(len(face)), count)
-    x = np.arange(len(span)) - (np.cumsum(count) - count - first).take(span)
-    pixel = row.take(span) * lens.width + x
-    if len(pixel) == 0:
+    if len(row) == 0:
         return _NOTHING
-    winner = np.full(lens.width * lens.height, -1, np.int32)
-    winner[pixel] = np.arange(len(pixel), dtype=np.int32)  # from far to near: the nearest stays
-    top = winner[int(pixel.min()) : int(pixel.max()) + 1]
-    top = top[top >= 0]
-    pixel, corners = pixel.take(top), faces.take(face.take(span.take(top)), axis=0)
-    return Seen(pixel, corners, _shares(px, corners, pixel % lens.width, pixel // lens.width))
+    start, count = row * lens.width + first, last - first + 1
+    lowest, highest = int(start.min()), int((start + count).max())
+    winner = np.full(highest - lowest, -1, np.int32)
+    # From far to near: the nearest stays.
+    winner[_runs(start - lowest, count)] = np.repeat(np.arange(len(row), dtype=np.int32), count)
+    pixel = np.flatnonzero(winner >= 0)
+    span = winner.take(pixel).astype(np.int64)
+    pixel += lowest
+    corners, y = faces.take(face.take(span), axis=0), row.take(span)
+    return Seen(pixel, corners, _shares(px, corners, pixel - y * lens.width, y))
+
+
+def _runs(start: Ints, count: Ints) -> Ints:
+    """`count` whole numbers up from each `start`, one run after the other."""
+    before = np.cumsum(count) - count
+    return np.asarray(np.arange(int(count.sum())) + np.repeat(start - before, count), np.int64)
 
 
 def _spans(lens: Lens, px: Pixels, faces: Ints) -> tuple[Ints, Ints, Ints, Ints]:
@@ -74,7 +80,7 @@ def _spans(lens: Lens, px: Pixels, faces: Ints) -> tuple[Ints, Ints, Ints, Ints]
     count = np.minimum(np.floor(y.max(axis=1)), lens.height - 1.0).astype(np.int64) - low + 1
     count = np.maximum(count, 0)
     face = np.repeat(np.arange(len(faces)), count)
-    row = np.arange(len(face)) - (np.cumsum(count) - count - low).take(face)
+    row = _runs(low, count)
     left = np.zeros(len(face), np.float32)
     right = np.full(len(face), lens.width - 1.0, np.float32)
     for k in range(3):  # each edge bounds the row on one side

@@ -68,7 +68,7 @@ def calibrated(room: Room) -> Profile:
     with ExitStack() as stack:
         eyes = HandDetector(user.camera, profile, settings.tracking)
         stack.callback(eyes.close)
-        user.obey(PROMPTS["sweep"])
+        user.follow(PROMPTS["sweep"])
         user.skip(SETTLE_S)
         observer = Observer(profile, eyes.look, settings.sensing)
         frames = session.lasting(SWEEP_S, "sweep")

@@ -52,7 +52,7 @@ class Film:
         width, height = self.user.projector_px
         picture = Projected(width, height).picture()
         self.user.project(np.repeat(picture[..., None], 3, axis=2))
-        self.user.obey(Prompt("board", ""))
+        self.user.follow(Prompt("board", ""))
         self.step("projector", frames, width_px=width, height_px=height)
         self.user.project(np.zeros((height, width, 3), np.uint8))
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from halo_service.app.parser import parse
-from halo_service.app.threads import hold_to_one
+from halo_service.app.process import use_one_thread_each
 from halo_service.errors import UserError
 
 STOPPED = 130
@@ -20,7 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code."""
     options = parse(sys.argv[1:] if argv is None else list(argv))
     _set_up_logging(logging.DEBUG if options.debug else logging.INFO)
-    hold_to_one()
+    use_one_thread_each()
     # Until a command handles it, SIGTERM unwinds as Ctrl-C does, so that nothing is left behind.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

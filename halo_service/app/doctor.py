@@ -1,4 +1,4 @@
-"""`halo doctor`: what is there, what is not, and what to do about it."""
+"""`halo doctor`: check what is missing, and name the remedy."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from halo_service.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked at."""
+    """The result of one check."""
 
     what: str
     good: bool
-    says: str
+    state: str
     remedy: str = ""
 
 
 def examine(settings: Settings) -> list[Finding]:
-    """Look at everything; nothing is changed, fetched or opened for long."""
-    looks: tuple[Callable[[Settings], Finding], ...] = (
+    """Run all checks; they change and download nothing."""
+    checks: tuple[Callable[[Settings], Finding], ...] = (
         _packages,
         _sdk,
         _camera,
@@ -37,14 +37,14 @@ def examine(settings: Settings) -> list[Finding]:
         _control,
         _zenoh,
     )
-    return [look(settings) for look in looks]
+    return [check(settings) for check in checks]
 
 
-def told(finding: Finding) -> str:
+def format_finding(finding: Finding) -> str:
     """Return a finding as one line."""
-    mark = "ok  " if finding.good else "MISS"
+    mark = "ok     " if finding.good else "MISSING"
     remedy = f"; {finding.remedy}" if finding.remedy and not finding.good else ""
-    return f"{mark} {finding.what}: {finding.says}{remedy}"
+    return f"{mark} {finding.what}: {finding.state}{remedy}"
 
 
 def _packages(settings: Settings) -> Finding:
@@ -52,7 +52,7 @@ def _packages(settings: Settings) -> Finding:
     names = ("numpy", "cv2", "mediapipe", "sklearn", "av", "zenoh")
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     if missing:
-        return Finding("packages", False, f"{', '.join(missing)} missing", "run 'uv sync'")
+        return Finding("packages", False, f"{', '.join(missing)} not installed", "run 'uv sync'")
     return Finding("packages", True, "all installed")
 
 
@@ -62,9 +62,9 @@ def _sdk(settings: Settings) -> Finding:
         return Finding(
             "camera SDK",
             False,
-            "the Azure Kinect's is not installed",
-            "it exists for Linux and Windows on x86-64; elsewhere use a recording or the virtual "
-            "Kinect",
+            "the SDK of the Azure Kinect is not installed",
+            "it exists only for Linux and Windows on x86-64; on other systems use a recording or "
+            "--source sim",
         )
     return Finding("camera SDK", True, "installed")
 
@@ -94,11 +94,11 @@ def _model(settings: Settings) -> Finding:
         return Finding(
             "hand model",
             False,
-            f"{path} is not there",
-            "correct tracking.model"
+            f"{path} not found",
+            "correct 'model' in [tracking] of the settings file"
             if settings.tracking.model
-            else "the first 'halo serve' fetches it (35 MB), or: python -m "
-            "halo_service.hand_tracking.model",
+            else "the first 'halo serve' downloads it (35 MB), or run "
+            "'python -m halo_service.hand_tracking.model'",
         )
     return Finding("hand model", True, str(path))
 
@@ -108,8 +108,8 @@ def _profile(settings: Settings) -> Finding:
         return Finding(
             "profile",
             False,
-            f"none chosen; those there are in {profiles_path()}",
-            "make one with 'halo calibrate --profile desk', then say --profile desk",
+            f"none chosen; profiles are in {profiles_path()}",
+            "run 'halo calibrate --profile desk', then use --profile desk",
         )
     try:
         profile = load(profile_path(settings.profile))
@@ -123,9 +123,9 @@ def _profile(settings: Settings) -> Finding:
             f"'{profile.name}' lacks {', '.join(left)}",
             f"run 'halo calibrate --profile {settings.profile}'",
         )
-    fair = [name for name, record in profile.steps.items() if record.quality != "good"]
-    worth = f"; {', '.join(fair)} only fair" if fair else ""
-    return Finding("profile", True, f"'{profile.name}', revision {profile.revision}{worth}")
+    not_good = [name for name, record in profile.steps.items() if record.quality != "good"]
+    quality = f"; {', '.join(not_good)} only fair" if not_good else ""
+    return Finding("profile", True, f"'{profile.name}', revision {profile.revision}{quality}")
 
 
 def _base(settings: Settings) -> Finding:
@@ -134,17 +134,17 @@ def _base(settings: Settings) -> Finding:
         try:
             serial = load(profile_path(settings.profile)).camera.serial
         except UserError:
-            return Finding("base model", True, "asked for once there is a profile")
+            return Finding("base model", True, "checked when a profile is chosen")
     if serial is None:
-        return Finding("base model", True, "asked for once there is a profile")
+        return Finding("base model", True, "checked when a profile is chosen")
     if pilot_path(serial).is_file():
         return Finding("base model", True, str(pilot_path(serial)))
     if serial.startswith("VIRTUAL"):
-        return Finding("base model", VIRTUAL.is_file(), "the virtual sensor's own")
+        return Finding("base model", VIRTUAL.is_file(), "that of the virtual camera")
     return Finding(
         "base model",
         False,
-        f"none for camera {serial}; pitches other than the wedge's are not corrected",
+        f"none for camera {serial}; only the finger pitch of the wedge is corrected",
         "make one with 'halo calibrate pilot'",
     )
 
@@ -158,8 +158,8 @@ def _control(settings: Settings) -> Finding:
             return Finding(
                 "control port",
                 False,
-                f"{where} is taken ({error.strerror})",
-                "a halo service may be running already; else choose another with --control-port",
+                f"{where} is in use ({error.strerror})",
+                "a halo service may be running; if not, choose another port: --control-port",
             )
     return Finding("control port", True, f"{where} is free")
 
@@ -179,7 +179,7 @@ def _zenoh(settings: Settings) -> Finding:
                 "zenoh",
                 False,
                 f"{endpoint} does not answer ({error})",
-                "start the router there, or correct zenoh.connect",
+                "start the router there, or correct 'connect' in [zenoh] of the settings file",
             )
     reached = ", ".join(settings.zenoh.connect) or "no router configured, none needed"
     return Finding("zenoh", True, reached)

@@ -1,4 +1,4 @@
-"""Where a command's text goes: a file that is complete, or the terminal."""
+"""Writes the text of a command to a file, which appears when complete, or to stdout."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ STDOUT = "-"
 
 @contextmanager
 def written(out: str) -> Iterator[TextIO]:
-    """Open a text file to write; it appears under its name when all went well.
+    """Open a text file to write; it appears under its name when the block ends without an error.
 
-    `-` is the terminal. Raises `UserError` where it cannot be written, BrokenPipeError where
-    the one who reads has had enough.
+    `-` is stdout. Raises `UserError` if it cannot be written, BrokenPipeError if the program that
+    reads the output has ended.
     """
     if out == STDOUT:
         yield sys.stdout
         return
     if not out:
-        raise UserError("the file to write has no name; give it one, or - for the terminal")
+        raise UserError("the file to write has no name; give a name, or - for stdout")
     try:
         with (
             appearing(Path(out)) as file,
@@ -37,5 +37,5 @@ def written(out: str) -> Iterator[TextIO]:
         raise
     except OSError as error:
         raise UserError(
-            f"'{out}' cannot be written ({error.strerror}); choose another place for it"
+            f"'{out}' cannot be written ({error.strerror}); choose another path"
         ) from error

@@ -1,4 +1,4 @@
-"""The hand tracker's way of looking at a frame: blend infrared and colour, then find hands."""
+"""Finds hands in a frame: blends infrared and colour, then runs the hand model."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from halo_service.settings import TrackingSettings
 from halo_service.values import Frame, Tracked
 
 ASSUMED_MM = 500.0
-"""Where a pixel without depth is taken to be while no background is known: the paper's height."""
+"""Depth of a pixel without a measurement while there is no background: the height in the paper."""
 
 
 class HandDetector:
     """A `runtime.Tracker`: MediaPipe on the paper's blended picture."""
 
     def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
-        """Load the model, fetching it where it is not there yet (`UserError` where it can't be)."""
+        """Load the hand model; download it if it is missing (`UserError` if that fails)."""
         self._tracker = HandTracker(model_for(settings), max_hands=settings.max_hands)
         self._warp = ColourWarp(camera, _background_mm(camera, profile))
 
@@ -34,12 +34,12 @@ class HandDetector:
         return self._tracker.find(picture, frame.time_us)
 
     def close(self) -> None:
-        """Let the model go."""
+        """Free the model."""
         self._tracker.close()
 
 
 def model_for(settings: TrackingSettings) -> Path:
-    """Return the hand model's path; `UserError` where there is none and none can be fetched."""
+    """Return the path of the hand model; `UserError` if it is missing and the download fails."""
     return hand_model(from_home(settings.model) if settings.model else None)
 
 
@@ -47,5 +47,5 @@ def _background_mm(camera: Camera, profile: Profile | None) -> NDArray[np.float3
     shape = (camera.depth.height, camera.depth.width)
     if profile is None:
         return np.full(shape, ASSUMED_MM, np.float32)
-    known = profile.background.valid
-    return np.where(known, profile.background.mean_mm, np.float32(ASSUMED_MM))
+    valid = profile.background.valid
+    return np.where(valid, profile.background.mean_mm, np.float32(ASSUMED_MM))

@@ -1,4 +1,4 @@
-"""`halo profile`: what calibrations there are, and carrying them about."""
+"""`halo profile`: list, show, copy, export and import profiles."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from halo_service.profile.model import TouchState
 from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
 
 NAME = re.compile(r"[\w-][\w .-]{0,63}")
-"""What a profile in the data folder may be called."""
+"""Valid names of profiles in the data folder."""
 
 
 def list_profiles() -> list[str]:
-    """Return one line a profile in the user's data folder."""
+    """Return one line for each profile in the data folder of the user."""
     folder = profiles_path()
     found = sorted(path.parent for path in folder.glob(f"*/{TEXT}"))
     return [_line(each) for each in found] or [
-        f"no profiles in {folder}; make one: halo calibrate --profile desk"
+        f"no profiles in {folder}; make one with: halo calibrate --profile desk"
     ]
 
 
 def show(name: str) -> list[str]:
-    """Return a profile in words."""
+    """Return the lines that describe a profile."""
     folder = profile_path(name)
     profile = load(folder)
     camera, surface = profile.camera, profile.surface
@@ -34,7 +34,7 @@ def show(name: str) -> list[str]:
         f"{profile.name}: {profile.calibrated}, revision {profile.revision}, {folder}",
         f"camera {camera.serial}, {camera.depth_mode}",
         f"surface {surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm",
-        f"halo from {profile.halo_threshold_mm:g} mm on",
+        f"halo threshold {profile.halo_threshold_mm:g} mm",
     ]
     if profile.projector is not None:
         lines.append(f"projector {profile.projector.width_px} x {profile.projector.height_px} px")
@@ -53,8 +53,8 @@ def show(name: str) -> list[str]:
 
 
 def copy(name: str, to: str) -> Path:
-    """Copy a profile; never over another."""
-    profile, folder = load(profile_path(name)), _fresh(to)
+    """Copy a profile; raises `UserError` if the new name exists."""
+    profile, folder = load(profile_path(name)), _new_folder(to)
     save(_renamed(profile, folder), folder)
     return folder
 
@@ -65,27 +65,27 @@ def export(name: str, out: Path) -> None:
 
 
 def import_profile(path: Path, name: str | None) -> Path:
-    """Take a profile out of a file; never over another."""
+    """Read a profile from a file; raises `UserError` if its name exists."""
     profile = unpack(path)
     if name is None:
-        _check_name(profile.name)  # a stranger wrote it: it may say ../../anywhere
-    folder = _fresh(name or profile.name)
+        _check_name(profile.name)  # the file is not ours: the name may be ../../anywhere
+    folder = _new_folder(name or profile.name)
     save(_renamed(profile, folder), folder)
     return folder
 
 
-def _fresh(name: str) -> Path:
+def _new_folder(name: str) -> Path:
     folder = profile_path(name)
     if folder.parent == profiles_path():
         _check_name(name)
     if exists(folder):
-        raise UserError(f"there is a profile at {folder} already; choose another name")
+        raise UserError(f"profile: {folder} exists already; choose another name")
     return folder
 
 
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
-        raise UserError(f"'{name[:60]}' is no name for a profile; use letters, digits, - and _")
+        raise UserError(f"profile: '{name[:60]}' is not a valid name; use letters, digits, - and _")
 
 
 def _renamed(profile: Profile, folder: Path) -> Profile:
@@ -105,19 +105,19 @@ def _states(profile: Profile) -> list[str]:
         f"{side.name.lower()} hand": states for side, states in profile.by_hand.items()
     }
     return [
-        f"{whose}: {name} {_state(getattr(states, name))}"
-        for whose, states in sets.items()
+        f"{fingers}: {name} {_state(getattr(states, name))}"
+        for fingers, states in sets.items()
         if states is not None
         for name in ("hover", "subtle", "touch", "pressure")
     ]
 
 
 def _state(held: TouchState) -> str:
-    known = "given" if held.stated else "assumed"
+    origin = "given" if held.stated else "assumed"
     if held.height_mm > 0.0:
-        what = f"at {held.height_mm:g} mm ({known})"
+        what = f"at {held.height_mm:g} mm ({origin})"
     elif held.force_g >= 0.0:
-        what = f"with {held.force_g:g} g ({known})"
+        what = f"with {held.force_g:g} g ({origin})"
     else:
         what = "with unknown force"
     dent = f", dent {held.deep_mm:.1f} mm," if held.deep_mm > 0.0 else ""

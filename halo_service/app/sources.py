@@ -1,4 +1,4 @@
-"""Opens the source that a name stands for."""
+"""Opens a source by its name."""
 
 from __future__ import annotations
 
@@ -16,31 +16,30 @@ KNOWN = "azure-kinect, recording:FILE, sim[:SCENARIO], auto"
 
 
 def open_source(settings: SourceSettings) -> tuple[Source, Callable[[], Source]]:
-    """Open a source; return it, and how to open the very same again if it is lost.
+    """Open a source; return it, and a function that opens the same one again if it is lost.
 
-    `auto` decides once, loudly: what it found is then the configured source, so a camera that is
-    unplugged in the evening is waited for, and never replaced by a virtual one.
-    Raises `UserError` where the source is unknown or not there.
+    `auto` decides once and logs it: if a camera is unplugged later, the service waits for it and
+    never replaces it by a virtual one. Raises `UserError` if the source is unknown or missing.
     """
     name = decide() if settings.name == "auto" else settings.name
     kind, _, rest = name.partition(":")
     if kind != "recording" and (settings.loop or settings.fast):
-        raise UserError("--loop and --fast go with --source recording:FILE; only that has an end")
+        raise UserError("--loop and --fast work only with --source recording:FILE")
     opener = _opener(kind, rest, name, settings)
     return opener(), opener
 
 
 def decide() -> str:
-    """Say, loudly, what `auto` means today."""
+    """Return what `auto` means now, and log it."""
     from halo_service.sources.azure_kinect import connected
 
     cameras = connected()
     if cameras:
-        log.warning("source: an Azure Kinect is plugged in, so that is the source")
+        log.warning("source: found an Azure Kinect")
         return "azure-kinect"
     log.warning(
-        "source: NO AZURE KINECT FOUND, so this is the VIRTUAL Kinect; what it shows is simulated "
-        "(plug one in and start again, or say --source to choose)"
+        "source: NO AZURE KINECT FOUND, using the VIRTUAL camera: all touches are simulated "
+        "(plug in a camera and start again, or choose with --source)"
     )
     return "sim"
 
@@ -61,4 +60,4 @@ def _opener(kind: str, rest: str, name: str, settings: SourceSettings) -> Callab
 
         request = parse_sim_url(name)
         return lambda: VirtualKinect(request)
-    raise UserError(f"source: '{name}' is none; known: {KNOWN}")
+    raise UserError(f"source: unknown source '{name}'; choose from: {KNOWN}")

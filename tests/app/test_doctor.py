@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.doctor import Finding, examine, told
+from halo_service.app.doctor import Finding, examine, format_finding
 from halo_service.outputs.settings import ControlSettings, ZenohSettings
 from halo_service.settings import Settings
 
@@ -31,7 +31,7 @@ def test_every_miss_has_a_remedy(tmp_path: Path) -> None:
         found = findings(settings)
     for what in ("camera", "hand model", "profile", "control port", "zenoh"):
         assert not found[what].good, what
-        assert ";" in told(found[what]), "what is wrong, and then the remedy"
+        assert ";" in format_finding(found[what]), "what is wrong, and then the remedy"
     assert found["packages"].good
 
 
@@ -39,4 +39,4 @@ def test_the_doctor_exits_with_1_when_something_is_missing(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["doctor", "--profile", "./nowhere"]) == 1
-    assert "MISS profile: there is no profile at" in capsys.readouterr().out
+    assert "MISSING profile: there is no profile at" in capsys.readouterr().out

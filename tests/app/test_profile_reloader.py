@@ -37,15 +37,15 @@ def profile() -> Profile:
 def kept(profile: Profile, tmp_path: Path) -> Iterator[tuple[ProfileReloader, Path]]:
     folder = tmp_path / "desk"
     save(profile, folder)
-    keeper = ProfileReloader(folder, profile.camera, profile)
-    yield keeper, folder
-    keeper.close()
+    reloader = ProfileReloader(folder, profile.camera, profile)
+    yield reloader, folder
+    reloader.close()
 
 
-def refreshed(keeper: ProfileReloader, state: State, wanted: Callable[[Profile], bool]) -> State:
+def refreshed(reloader: ProfileReloader, state: State, wanted: Callable[[Profile], bool]) -> State:
     until = time.monotonic() + PATIENCE_S
     while time.monotonic() < until:
-        state = keeper.refresh(state)
+        state = reloader.refresh(state)
         if state.profile is not None and wanted(state.profile):
             return state
         time.sleep(0.02)
@@ -61,9 +61,9 @@ def frames(depth_mm: int) -> list[Frame]:
 def test_a_profile_changed_on_disk_is_taken_up(
     kept: tuple[ProfileReloader, Path], profile: Profile
 ) -> None:
-    keeper, folder = kept
+    reloader, folder = kept
     amend(folder, lambda known: replace(known or profile, halo_threshold_mm=5.5))
-    state = refreshed(keeper, start(profile, SensingSettings()), lambda p: p.revision == 2)
+    state = refreshed(reloader, start(profile, SensingSettings()), lambda p: p.revision == 2)
     assert state.profile is not None
     assert state.profile.halo_threshold_mm == 5.5
 
@@ -75,26 +75,26 @@ def test_a_spoilt_profile_leaves_the_one_that_was_there(
     caplog: pytest.LogCaptureFixture,
     name: str,
 ) -> None:
-    keeper, folder = kept
+    reloader, folder = kept
     (path,) = folder.glob(name)
     path.write_bytes(b"")
     (folder / "profile.json").touch()
     until = time.monotonic() + PATIENCE_S
     while "cannot be read" not in caplog.text and time.monotonic() < until:
         time.sleep(0.02)
-    assert "the profile that was there is kept" in caplog.text
+    assert "the service goes on with the profile it has" in caplog.text
     state = start(profile, SensingSettings())
-    assert keeper.refresh(state).profile is profile
+    assert reloader.refresh(state).profile is profile
 
 
 def test_the_background_is_retaken_kept_and_announced_by_a_new_revision(
     kept: tuple[ProfileReloader, Path], profile: Profile
 ) -> None:
-    keeper, folder = kept
-    keeper.retake()
+    reloader, folder = kept
+    reloader.retake_background()
     for frame in frames(502):
-        keeper.watch(frame)
-    state = refreshed(keeper, start(profile, SensingSettings()), lambda p: p.revision == 2)
+        reloader.watch(frame)
+    state = refreshed(reloader, start(profile, SensingSettings()), lambda p: p.revision == 2)
     assert state.profile is not None
     assert float(state.profile.background.mean_mm.mean()) == pytest.approx(502.0, abs=0.1)
     assert load(folder).revision == 2
@@ -104,11 +104,11 @@ def test_the_background_is_retaken_kept_and_announced_by_a_new_revision(
 def test_a_background_in_which_something_moved_is_not_kept(
     kept: tuple[ProfileReloader, Path], profile: Profile, caplog: pytest.LogCaptureFixture
 ) -> None:
-    keeper, folder = kept
-    keeper.retake()
+    reloader, folder = kept
+    reloader.retake_background()
     for n, frame in enumerate(frames(500)):
         frame.depth[40:80, 40 + n : 80 + n] = 430
-        keeper.watch(frame)
+        reloader.watch(frame)
     until = time.monotonic() + PATIENCE_S
     while "something moved" not in caplog.text and time.monotonic() < until:
         time.sleep(0.02)
@@ -117,9 +117,9 @@ def test_a_background_in_which_something_moved_is_not_kept(
 
 
 def test_without_a_profile_there_is_no_background_to_retake(profile: Profile) -> None:
-    keeper = ProfileReloader(None, profile.camera, None)
+    reloader = ProfileReloader(None, profile.camera, None)
     try:
         with pytest.raises(UserError, match="no profile yet"):
-            keeper.retake()
+            reloader.retake_background()
     finally:
-        keeper.close()
+        reloader.close()

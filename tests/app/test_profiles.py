@@ -1,4 +1,4 @@
-"""`halo profile show` tells a profile in words."""
+"""`halo profile show` describes a profile."""
 
 from __future__ import annotations
 

@@ -39,18 +39,18 @@ def film(room: Room, out: Path) -> Film:
     """Record the empty table, the sheet, the board, the four states, and the touched targets."""
     with Recorder(out, factory(), fps=FPS, colour=True) as recorder:
         made = Film(room, recorder)
-        made.user.obey(PROMPTS["background"])
+        made.user.follow(PROMPTS["background"])
         made.step("background", 60)
-        made.user.obey(Prompt("sheet", "", board=SHEET))
+        made.user.follow(Prompt("sheet", "", board=SHEET))
         made.step("surface", BOARD, by="markers")
         made.board(BOARD)
         for state, (height_mm, force_g) in STATES.items():
-            made.user.obey(PROMPTS[state])
+            made.user.follow(PROMPTS[state])
             made.pause(READY_S)
             known = {"force_g": force_g} if force_g else {"height_mm": height_mm}
             made.step(state, HELD, **known)
         for target in TARGETS:
-            made.user.obey(Prompt("cross", "", at_px=target))
+            made.user.follow(Prompt("cross", "", at_px=target))
             made.record(TOUCHED)
     return made
 

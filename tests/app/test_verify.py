@@ -65,7 +65,7 @@ def test_a_profile_without_a_projector_says_what_to_do(
     bare = tmp_path / "bare"
     save(replace(load(small), projector=None), bare)
     assert main(["verify", "--source", SIM, "--profile", str(bare)]) == 2
-    assert "knows no projector: run 'halo calibrate projector'" in capsys.readouterr().err
+    assert "has no projector: run 'halo calibrate projector'" in capsys.readouterr().err
 
 
 def test_without_a_profile_there_is_no_grid(capsys: pytest.CaptureFixture[str]) -> None:
@@ -112,7 +112,7 @@ def test_ctrl_c_in_a_calibration_leaves_the_profile_as_it_was(
     )
     code, said = stopped(process, after=f"Calibrating {small}")
     assert code == 130
-    assert "stopped before it was done; what is complete is kept" in said
+    assert "stopped before the end; complete results are kept" in said
     assert {path.name: path.read_bytes() for path in small.iterdir()} == before
 
 
@@ -161,7 +161,7 @@ def test_a_running_services_fingers_are_held_beside_its_own_grid(
 
 def test_what_is_too_far_off_fails(service: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "--from", service, "--window", "--within-mm", "1"]) == 1
-    assert "falls short" in capsys.readouterr().out
+    assert "failed: touch all crossings, 95 % within" in capsys.readouterr().out
 
 
 def test_a_service_that_is_not_there_is_a_sentence(
@@ -171,4 +171,4 @@ def test_a_service_that_is_not_there_is_a_sentence(
 ) -> None:
     monkeypatch.setattr("halo_service.app.verification.remote.WAIT_S", 0.5)
     assert main(["verify", "--from", f"osc://127.0.0.1:{free_port()}", "--window"]) == 2
-    assert "is not heard: start 'halo serve'" in capsys.readouterr().err
+    assert "sends nothing: start 'halo serve'" in capsys.readouterr().err

@@ -46,8 +46,8 @@ from halo_service.virtual.sim_url import parse_sim_url
         (["take.mkv", "--live", "here"], "--live does not use RECORDING: leave RECORDING out"),
         (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING does not use --users:"),
         (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING does not use --source:"),
-        (["take.mkv"], "needs --truth T.jsonl, or --script S.json"),
-        (["take.mkv", "--truth", "t.jsonl"], "name the profile that goes with the recording"),
+        (["take.mkv"], "needs --truth T.jsonl or --script S.json"),
+        (["take.mkv", "--truth", "t.jsonl"], "name the profile of the recording"),
         (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
     ],
 )

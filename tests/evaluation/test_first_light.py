@@ -11,7 +11,12 @@ import pytest
 
 from halo_calibration.errors import Refused
 from halo_service.app.cli import main
-from halo_service.app.evaluation_ui.guided import Ask, asked, conduct, require_crosses
+from halo_service.app.evaluation_ui.guided import (
+    Prompt,
+    conduct,
+    require_crosses,
+    session_prompts,
+)
 from halo_service.errors import UserError
 from halo_service.evaluation.study.sense import FrameSequence
 from halo_service.geometry.surface import Surface
@@ -50,25 +55,29 @@ def found(profile: Profile) -> Profile:
 
 
 def test_the_session_has_the_papers_targets_heights_and_forces() -> None:
-    asks = list(asked(surface_of(300.0, 200.0)))
-    steps = [ask.step for ask in asks]
+    prompts = list(session_prompts(surface_of(300.0, 200.0)))
+    steps = [prompt.step for prompt in prompts]
     assert {name: steps.count(name) for name in steps} == {
         "target": 32,
         "hover": 10,
         "pressure": 10,
     }
-    assert 200.0 < sum(ask.ready_s + ask.seconds for ask in asks) < 300.0
-    crosses = [tuple(ask.fields["target_mm"]) for ask in asks if ask.step == "target"]
+    assert 200.0 < sum(prompt.ready_s + prompt.seconds for prompt in prompts) < 300.0
+    crosses = [tuple(prompt.fields["target_mm"]) for prompt in prompts if prompt.step == "target"]
     assert crosses == 2 * targets()
 
 
 def test_the_crosses_lie_around_the_middle_of_the_profiles_surface() -> None:
-    asks = [ask for ask in asked(surface_of(400.0, 180.0)) if ask.step == "target"][:16]
-    assert asks[0].words == "Touch cross 1-1 once."
-    assert asks[0].fields["target_mm"] == [125.0, 15.0]
-    assert asks[7].words == "Touch cross 2-4 once."
-    assert asks[7].fields["target_mm"] == [275.0, 65.0]
-    assert np.mean([ask.fields["target_mm"] for ask in asks], axis=0) == pytest.approx([200, 90])
+    prompts = [
+        prompt for prompt in session_prompts(surface_of(400.0, 180.0)) if prompt.step == "target"
+    ][:16]
+    assert prompts[0].words == "Touch cross 1-1 once."
+    assert prompts[0].fields["target_mm"] == [125.0, 15.0]
+    assert prompts[7].words == "Touch cross 2-4 once."
+    assert prompts[7].fields["target_mm"] == [275.0, 65.0]
+    assert np.mean([prompt.fields["target_mm"] for prompt in prompts], axis=0) == pytest.approx(
+        [200, 90]
+    )
 
 
 @pytest.mark.parametrize(
@@ -76,9 +85,12 @@ def test_the_crosses_lie_around_the_middle_of_the_profiles_surface() -> None:
     [
         ({"touch": None}, "has no touch states"),
         ({"steps": {}}, "--by markers"),
-        ({"steps": {"surface": BY_VIEW}}, "lay the surface sheet exactly on theirs"),
-        ({"surface": surface_of(300.0, 169.0)}, "300 x 169 mm, and the crosses want 170 x 170 mm"),
-        ({"surface": surface_of(150.0, 200.0)}, "150 x 200 mm, and the crosses want 170 x 170 mm"),
+        (
+            {"steps": {"surface": BY_VIEW}},
+            "the positions of the crosses are unknown: put the surface sheet there",
+        ),
+        ({"surface": surface_of(300.0, 169.0)}, "300 x 169 mm, and the crosses need 170 x 170 mm"),
+        ({"surface": surface_of(150.0, 200.0)}, "150 x 200 mm, and the crosses need 170 x 170 mm"),
     ],
 )
 def test_a_profile_that_does_not_know_where_the_crosses_are_is_refused(
@@ -142,13 +154,13 @@ def test_a_profile_without_touch_states_is_refused_before_anything_is_opened(
 
 
 def test_the_script_is_on_the_recordings_own_clock() -> None:
-    asks = [
-        Ask("Touch it.", 0.0, 2.0, "target", {"target_mm": [10.0, 20.0]}),
-        Ask("Hold it.", 1.0, 3.0, "hover", {"height_mm": 5.0}),
+    prompts = [
+        Prompt("Touch it.", 0.0, 2.0, "target", {"target_mm": [10.0, 20.0]}),
+        Prompt("Hold it.", 1.0, 3.0, "hover", {"height_mm": 5.0}),
     ]
     said: list[str] = []
     frames: list[Frame] = []
-    lines = conduct(asks, FrameSequence(live(1000)), said.append, frames.append)
+    lines = conduct(prompts, FrameSequence(live(1000)), said.append, frames.append)
     assert said == ["Touch it.", "Hold it."]
     assert frames[0].time_us == 0
     assert [line["step"] for line in lines] == ["target", "hover"]
@@ -161,6 +173,6 @@ def test_the_script_is_on_the_recordings_own_clock() -> None:
 
 
 def test_a_camera_that_ends_during_the_session_is_refused() -> None:
-    asks = [Ask("Touch it.", 0.0, 9.0, "target", {"target_mm": [10.0, 20.0]})]
+    prompts = [Prompt("Touch it.", 0.0, 9.0, "target", {"target_mm": [10.0, 20.0]})]
     with pytest.raises(Refused, match="during 'target'"):
-        conduct(asks, FrameSequence(live(60)), lambda _: None, lambda _: None)
+        conduct(prompts, FrameSequence(live(60)), lambda _: None, lambda _: None)

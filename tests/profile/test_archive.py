@@ -93,7 +93,7 @@ def test_what_is_exported_is_imported(parcel: Path, tmp_path: Path) -> None:
         (lambda f: {array(f): f[array(f)]}, "no profile.json"),
         (lambda f: {"profile.json": f["profile.json"]}, "cannot be read"),
         (lambda f: f | {"profile.json": b"[]"}, "cannot be read"),
-        (renamed, "no name for a profile"),
+        (renamed, "is not a valid name"),
     ],
 )
 def test_foreign_files_are_refused_in_one_sentence(

@@ -1,4 +1,4 @@
-"""`halo bench`: how soon packets leave, ours beside the paper's order on the same frames."""
+"""`halo bench`: the latency of our pipeline and of the paper's, on the same frames."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
 from halo_service.app.service.publisher import Publisher
-from halo_service.app.sources import KNOWN
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.evaluation.latency.blocks import run
@@ -46,20 +45,20 @@ from halo_service.virtual.camera import FPS
 from halo_service.virtual.sim_url import SimRequest, parse_sim_url
 
 CASES = {1: "sim:pointing?seed=1", 2: "sim:drumming?seed=1"}
-"""By the hands in them: what is played where nobody names a source."""
+"""The source for a number of hands, unless the user names one."""
 ROUNDS = 2
 """Ours first, then ours last."""
 LONGEST_S = 60.0
-"""50 MB a second are held in memory."""
+"""Frames are held in memory: 50 MB a second."""
 NODE, SESSION = "bench", "00000000"
 
 
 @dataclass(frozen=True, slots=True)
 class BenchRequest:
-    """What `halo bench` is asked for."""
+    """What the command line asks for."""
 
     hands: int | None
-    """None: a take with one hand, and one with two."""
+    """None: a recording with one hand, then one with two."""
     seconds: float
     source: str | None
     profile: str
@@ -67,14 +66,16 @@ class BenchRequest:
 
 
 def bench(request: BenchRequest, settings: Settings) -> None:
-    """Measure and print; the JSON is written when all is done. Raises `UserError`."""
+    """Measure and print; write the JSON at the end. Raises `UserError`."""
     if not (math.isfinite(request.seconds) and 1.0 <= request.seconds <= LONGEST_S):
-        raise UserError(f"--seconds must be from 1 to {LONGEST_S:g}: frames are held in memory")
-    wanted = (request.hands,) if request.hands else (1, 2)
+        raise UserError(
+            f"bench: --seconds must be from 1 to {LONGEST_S:g}: frames are held in memory"
+        )
+    cases_of = (request.hands,) if request.hands else (1, 2)
     if request.source is not None:
-        wanted = (request.hands or settings.tracking.max_hands,)
+        cases_of = (request.hands or settings.tracking.max_hands,)
     cases: list[Case] = []
-    for hands in wanted:
+    for hands in cases_of:
         source = request.source or CASES[hands]
         tracking = replace(settings.tracking, max_hands=hands)
         case = _case(source, hands, request, replace(settings, tracking=tracking))
@@ -86,7 +87,7 @@ def bench(request: BenchRequest, settings: Settings) -> None:
 
 
 class Service:
-    """The parts of the service, and of its rival, as `halo serve` would put them together."""
+    """The parts of the service and of the paper's pipeline, as `halo serve` would connect them."""
 
     def __init__(
         self, take: LatencyRecording, profile: Profile, regressor: Regressor, settings: Settings
@@ -102,21 +103,21 @@ class Service:
         return TrackerThread(make)
 
     def state(self) -> State:
-        """Return the sensing's state before its first frame."""
+        """Return the state of the sensing before the first frame."""
         return start(self._profile, self._settings.sensing)
 
     def publisher(self, watch: Stopwatch, port: int) -> tuple[Publisher, Callable[[], None]]:
-        """Send OSC to a port of this machine."""
+        """Return a publisher to a port of this machine, and a function that closes it."""
         carrier = TimedCarrier(OscOutput([("127.0.0.1", port)]), watch)
         name, take = self._profile.surface.name, self._take
         frames = FrameEncoder(NODE, SESSION, 0)
         return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close
 
     def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
-        """Make the paper's order, with a tracker of its own."""
+        """Return the paper's pipeline with its own tracker, and a function that closes it."""
         profile, settings = self._profile, self._settings
         finder = HandTracker(model_for(settings.tracking), settings.tracking.max_hands)
-        assert profile.touch is not None  # `_profile_for` saw to it
+        assert profile.touch is not None  # `_profile_for` checked it
         sequential = Sequential(
             profile, profile.touch, settings.sensing, finder, self._regressor, watch
         )
@@ -131,23 +132,21 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
         with progress(f"rendering {source}", round(request.seconds * FPS)) as bar:
             take = simulate(source, simulated, request.seconds, bar.advance)
     elif kind == "recording" and rest:
-        known = _profile_for(request.profile)
-        if known is None:
-            raise UserError(
-                "a recording is sensed with the profile of its place: name it with --profile"
-            )
-        profile, take = known, _read(source, rest, request.seconds)
+        given = _profile_for(request.profile)
+        if given is None:
+            raise UserError("bench: a recording needs the profile of its place: --profile P")
+        profile, take = given, _read(source, rest, request.seconds)
     else:
         raise UserError(
-            f"bench plays frames that were drawn or recorded before, and '{source}' is neither "
-            f"(known: {KNOWN}): use sim or recording:FILE; 'halo record' makes one of a camera"
+            f"bench: cannot use source '{source}'; choose from: sim[:SCENARIO], recording:FILE "
+            f"('halo record' makes a recording of a camera)"
         )
     require_fit(profile, take.camera)
     regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
     if regressor is None:
         raise UserError(
-            f"the profile {profile.name} has no sweep that the paper's order could ask: "
-            "run 'halo calibrate sweep' with it"
+            f"bench: the profile '{profile.name}' has no sweep, which the paper's pipeline needs: "
+            f"run 'halo calibrate sweep --profile {profile.name}'"
         )
     with ExitStack() as stack:
         listener = stack.enter_context(Listener())
@@ -168,9 +167,9 @@ def _profile_for(name: str) -> Profile | None:
 
 
 def _measured(request: SimRequest, settings: Settings) -> Profile:
-    """Calibrate on the virtual room, and correct by the base model, so that nothing is spared."""
+    """Calibrate on the virtual table, with the base model as correction: nothing is left out."""
     profile = virtual_profile(request.room, settings)
-    assert profile.touch is not None  # it measured them
+    assert profile.touch is not None  # `virtual_profile` measured it
     held = profile.touch.touch
     at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
     base = choose_base("auto", profile.camera.serial)
@@ -185,7 +184,7 @@ def _read(source: str, path: str, seconds: float) -> LatencyRecording:
 
 
 def _first(recording: Recording, seconds: float) -> Iterator[Frame]:
-    began_us: int | None = None
+    start_us: int | None = None
     while True:
         try:
             capture = recording.read(1.0)
@@ -193,8 +192,8 @@ def _first(recording: Recording, seconds: float) -> Iterator[Frame]:
             return
         if not isinstance(capture, Frame):
             continue
-        began_us = capture.time_us if began_us is None else began_us
-        if capture.time_us - began_us >= 1e6 * seconds:
+        start_us = capture.time_us if start_us is None else start_us
+        if capture.time_us - start_us >= 1e6 * seconds:
             return
         yield capture
 

@@ -1,4 +1,4 @@
-"""What `halo bench` shows. Pure."""
+"""The table of `halo bench`. Pure."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from halo_service.evaluation.latency.figures import Case, Spread, goals
 
 HANDS = {1: "one hand", 2: "two hands"}
 BUSY_MS = 0.5
-"""Waiting for a core for longer, a frame, our median says more of the machine than of us."""
+"""If frames wait longer than this for a core, the median shows the machine, not our code."""
 LAST_STAGES = 2
-"""Encoding and sending: they end both ways."""
+"""Encoding and sending: the last stages of both pipelines."""
 
 
 def table(case: Case) -> list[str]:
@@ -28,21 +28,21 @@ def table(case: Case) -> list[str]:
         _pair("CPU of a frame", ours.cpu_a_frame, sequential.cpu_a_frame),
         _pair("  frame to packet", ours.path_cpu_a_frame, sequential.path_cpu_a_frame),
         _sent("frames sent", ours.frames, sequential.frames),
-        _sent("  too late for it", ours.dropped, sequential.dropped),
+        _sent("  dropped, too late", ours.dropped, sequential.dropped),
         _sent("  received", ours.received, sequential.received),
         *_contacts(case),
         *_disturbed(case),
         "goals",
         *(
             f"  {goal.name:34}{goal.value:8.2f}  {goal.limit:10} "
-            f"{'pass' if goal.passed else 'falls short'}"
+            f"{'pass' if goal.passed else 'fail'}"
             for goal in goals(case)
         ),
     ]
 
 
 def _stages(case: Case) -> list[str]:
-    """Name the stages of both, in an order that holds for each."""
+    """Return the stages of both, in an order that fits each."""
     names = list(case.sequential.stages)
     alone = [name for name in case.ours.stages if name not in names]
     return [*names[:-LAST_STAGES], *alone, *names[-LAST_STAGES:]]
@@ -58,8 +58,8 @@ def _row(name: str, ours: Spread | None, sequential: Spread | None) -> str:
 
 
 def _hands(ages: Spread | None) -> list[str]:
-    """Tell how old hands are when a frame is sensed with them; where it waits for its own, 0."""
-    return [] if ages is None else [_pair("hands older than frame", ages.median, 0.0)]
+    """Return the age of the hands in a frame; 0 for a pipeline that waits for them."""
+    return [] if ages is None else [_pair("age of the hands", ages.median, 0.0)]
 
 
 def _pair(name: str, ours: float, sequential: float) -> str:
@@ -86,6 +86,6 @@ def _disturbed(case: Case) -> list[str]:
     if waited is None or waited <= BUSY_MS:
         return []
     return [
-        f"note: each of our frames was ready and waited {waited:.1f} ms for a core that another "
-        "program, or our own hand tracker, was using"
+        f"note: our frames waited {waited:.1f} ms for a free core; another program or our hand "
+        "tracker used it"
     ]

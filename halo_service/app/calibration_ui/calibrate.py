@@ -1,4 +1,4 @@
-"""`halo calibrate`: from an unknown finger to one that the service knows."""
+"""`halo calibrate`: run the steps that make a profile."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from halo_calibration.solvers.touch import StateValues
 from halo_calibration.steps import STEPS, Change, Setup, require
 from halo_calibration.steps.session import Session
 from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
-from halo_service.app.calibration_ui.terminal import Terminal, told
+from halo_service.app.calibration_ui.terminal import Terminal, step_line
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, open_source
 from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
@@ -31,7 +31,7 @@ from halo_service.sources import Source
 from halo_service.values import Side
 
 FOLLOWED_BY = {"background": ("surface",)}
-"""Steps that come of themselves with another."""
+"""Steps that another step does too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class CalibrateRequest:
     """What the command line asks for."""
 
     step: str | None = None
-    """One step, or None for all that are missing."""
+    """One step; None: all that are missing."""
     script: Path | None = None
     state_values: StateValues = StateValues()  # noqa: RUF009 - frozen, so one default serves all
     side: Side = Side.UNKNOWN
@@ -52,28 +52,28 @@ class CalibrateRequest:
 def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
     """Run one step or all that are missing; return the profile's folder."""
     if not settings.profile:
-        raise UserError("calibrate: name the profile to make or go on with: --profile desk")
+        raise UserError("calibrate: name a new or existing profile: --profile desk")
     if request.place.by is not None and request.step not in WAYS:
         raise UserError(
-            f"calibrate: --by goes with one of {', '.join(WAYS)}: halo calibrate surface --by "
-            f"{request.place.by}"
+            f"calibrate: --by needs a step, {' or '.join(WAYS)}: "
+            f"halo calibrate surface --by {request.place.by}"
         )
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
         source = _source(settings, request)
         stack.callback(source.close)
-        known = load(folder) if exists(folder) else None
-        if known is not None and request.script is None:
-            require_fit(known, source.camera)
+        saved = load(folder) if exists(folder) else None
+        if saved is not None and request.script is None:
+            require_fit(saved, source.camera)
         setup = _setup(settings, request, folder, source)
-        look_with = _eyes(source, settings, stack)
+        look_with = _detector_for(source, settings, stack)
         if request.script is not None:
             _by_script(setup, source, look_with, request.script, folder)
         else:
             _guided(setup, source, look_with, request, folder)
         left = missing(load(folder))
         say = Terminal(None).say
-        say(f"Still missing: {', '.join(left)}." if left else _next(settings))
+        say(f"Still missing: {', '.join(left)}." if left else _next_step(settings))
     return folder
 
 
@@ -84,7 +84,7 @@ def _guided(
     request: CalibrateRequest,
     folder: Path,
 ) -> None:
-    terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
+    terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
     guided = GuidedCalibration(setup, Session(source), terminal, look_with)
     profile = load(folder) if exists(folder) else None
     todo = [request.step] if request.step else missing(profile)
@@ -98,7 +98,7 @@ def _guided(
         change = _one(name, guided, source, request, profile)
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
-            terminal.say(told(each, profile.steps[each]))
+            terminal.say(step_line(each, profile.steps[each]))
 
 
 def _one(
@@ -127,38 +127,40 @@ def _by_script(
     scripted = ScriptedCalibration(setup, Session(source), look_with, lambda words: None)
     lines = read_script(script)
     named = {line.step for line in lines}
-    # What a script does not begin anew it builds on.
+    # A script without a background step continues the saved profile.
     before = load(folder) if exists(folder) and "background" not in named else None
     if before is not None:
         require_fit(before, source.camera)
-    made = scripted.run(lines, before)
-    profile = amend(folder, lambda _: made)
+    result = scripted.run(lines, before)
+    profile = amend(folder, lambda _: result)
     for name, record in profile.steps.items():
-        terminal.say(told(name, record))
+        terminal.say(step_line(name, record))
 
 
 def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
-    """Let one pilot teach this camera's base model, beside those before; return its file."""
+    """Add the samples of one user to the base model of this camera; return its file."""
     profile = load(profile_path(settings.profile)) if settings.profile else None
     if profile is None or profile.touch is None:
         raise UserError(
-            "calibrate pilot: name a profile of this place and pilot whose touch step is done: "
+            "calibrate pilot: name a profile of this place and user that has the touch step: "
             "halo calibrate touch --profile pilot1"
         )
     with ExitStack() as stack:
         source = _source(settings, CalibrateRequest())
         stack.callback(source.close)
         require_fit(profile, source.camera)
-        terminal = Terminal(source.obey if isinstance(source, VirtualUser) else None)
+        terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
         setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
-        guided = GuidedCalibration(setup, Session(source), terminal, _eyes(source, settings, stack))
+        guided = GuidedCalibration(
+            setup, Session(source), terminal, _detector_for(source, settings, stack)
+        )
         observer = guided.observer(profile)
-        taken = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
-        samples = pilot_samples(profile.surface, taken)
+        rounds_done = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
+        samples = pilot_samples(profile.surface, rounds_done)
         path = pilot_path(source.camera.serial)
         before = [read_base(path).relative] if path.is_file() else []
         write_base(merged("pilots", source.camera.serial, [*before, samples]), path)
-        terminal.say(f"{path}: {len(samples)} samples added; later sweeps stand on them")
+        terminal.say(f"{path}: {len(samples)} samples added; later sweeps use them")
     return path
 
 
@@ -186,37 +188,38 @@ def _source(settings: Settings, request: CalibrateRequest) -> Source:
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.sim_url import parse_sim_url
 
-        # Boards are read from the colour picture as it is; hands are found in a smaller one.
+        # Printed boards need the full colour picture; hands are found in a smaller one.
         return VirtualUser(
             parse_sim_url(name).room, colour_times=1 if request.step in PLACED else 2
         )
     if name.startswith("recording:") and request.script is None:
         raise UserError(
-            "calibrate: nobody in a recording follows the prompts; say what happens when with "
-            "--script FILE"
+            "calibrate: a recording cannot follow prompts; give its steps with --script FILE"
         )
-    fast = replace(settings.source, name=name, fast=name.startswith("recording:"))
-    return open_source(fast)[0]
+    source = replace(settings.source, name=name, fast=name.startswith("recording:"))
+    return open_source(source)[0]
 
 
 def _date(source: str) -> str:
-    """Return when the frames are taken: now, or when the recording was written."""
+    """Return the date of the frames: now, or the date of the recording."""
     kind, _, rest = source.partition(":")
     seconds = Path(rest).stat().st_mtime if kind == "recording" else time.time()
     return datetime.fromtimestamp(int(seconds), UTC).isoformat().replace("+00:00", "Z")
 
 
-def _eyes(source: Source, settings: Settings, stack: ExitStack) -> Callable[[Profile | None], Look]:
+def _detector_for(
+    source: Source, settings: Settings, stack: ExitStack
+) -> Callable[[Profile | None], Look]:
     def look_with(profile: Profile | None) -> Look:
-        # One hand calibrates, and searching for a second doubles the tracker's time.
-        eyes = HandDetector(source.camera, profile, replace(settings.tracking, max_hands=1))
-        stack.callback(eyes.close)
-        return eyes.look
+        # Calibration needs one hand; the search for a second doubles the time of the tracker.
+        detector = HandDetector(source.camera, profile, replace(settings.tracking, max_hands=1))
+        stack.callback(detector.close)
+        return detector.look
 
     return look_with
 
 
-def _next(settings: Settings) -> str:
+def _next_step(settings: Settings) -> str:
     source = settings.source.name
     shown = "" if source == "auto" or source.startswith("recording:") else f" --source {source}"
     return f"Done. Use it with: halo serve{shown} --profile {settings.profile}"

@@ -1,4 +1,4 @@
-"""`halo calibrate surface`, `projector`, `anchor`: where things are."""
+"""`halo calibrate surface`, `projector`, `anchor`: where things are on the table."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from halo_service.profile import Profile
 from halo_service.sources import Exposing, Source
 
 PLACED = ("surface", "projector", "anchor")
-"""The steps that are taken here."""
+"""The steps that run here."""
 WAYS = {"surface": ("view", "markers", "touch"), "projector": ("markers", "gray", "touch")}
-"""How each may be found; the first unless another is named."""
+"""The ways to do each step; the first is the default."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class PlaceRequest:
     """One of the step's `WAYS`."""
     width_mm: float = 300.0
     height_mm: float = 200.0
-    """The surface's size, where its corners are not touched."""
+    """Size of the surface, unless its corners are touched."""
     screen: ScreenRequest = field(default_factory=ScreenRequest)
     marker: Printed = ANCHOR
 
@@ -36,7 +36,7 @@ class PlaceRequest:
 def place(
     name: str, guided: GuidedCalibration, source: Source, request: PlaceRequest, profile: Profile
 ) -> Change:
-    """Take one of these steps over a profile's plane. Raises `UserError`, `Refused` among them."""
+    """Run one of these steps for a profile. Raises `UserError` and its `Refused`."""
     way = _way(name, request.by)
     if name == "anchor":
         return GuidedPlace(guided).marker(profile, request.marker)
@@ -54,7 +54,5 @@ def place(
 def _way(name: str, by: str | None) -> str:
     known = WAYS.get(name, ("markers",))
     if by is not None and by not in known:
-        raise UserError(
-            f"calibrate {name}: it can be found by {', '.join(known)}, and not by '{by}'"
-        )
+        raise UserError(f"calibrate {name}: unknown --by '{by}'; choose from: {', '.join(known)}")
     return by or known[0]

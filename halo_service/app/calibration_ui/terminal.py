@@ -1,6 +1,6 @@
-"""The calibration's prompts, count-down and live signal in a terminal.
+"""Prompts, count-down and live signal of the calibration.
 
-A terminal gets a line that is drawn anew; a pipe or file gets the prompts and results alone.
+A terminal gets a line that is redrawn; a pipe or file gets only the prompts and results.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ BAR = 24
 class Terminal:
     """A `Guide` that prints."""
 
-    def __init__(self, obey: Callable[[Prompt], None] | None) -> None:
-        """`obey`: moves the virtual user as the prompts say; None: there is a real one."""
-        self._obey = obey
+    def __init__(self, follow: Callable[[Prompt], None] | None) -> None:
+        """`follow`: makes the virtual user follow the prompts; None: a person reads them."""
+        self._follow = follow
         self._drawn = sys.stderr.isatty()
         self._most = 1.0
         self._map: list[str] = []
         self._lines = 0
 
-    def tell(self, cue: Prompt) -> None:
+    def tell(self, prompt: Prompt) -> None:
         """Print what to do now."""
         self._wipe()
         self._map = []
-        print(f"\n{cue.words}", file=sys.stderr)
-        if self._obey is not None:
-            self._obey(cue)
+        print(f"\n{prompt.words}", file=sys.stderr)
+        if self._follow is not None:
+            self._follow(prompt)
 
     def say(self, words: str) -> None:
-        """Print how something went."""
+        """Print a result."""
         self._wipe()
         print(words, file=sys.stderr)
 
@@ -60,7 +60,7 @@ class Terminal:
         self._lines = len(lines)
 
     def map(self, lines: list[str]) -> None:
-        """Keep the map for the next drawing."""
+        """Set the map that the next call of `live` draws."""
         self._map = lines
 
     def _wipe(self) -> None:
@@ -70,8 +70,8 @@ class Terminal:
             self._lines = 0
 
 
-def told(step: str, record: StepRecord) -> str:
-    """Say in one line how a step went."""
+def step_line(step: str, record: StepRecord) -> str:
+    """Return the result of a step in one line."""
     figures = ", ".join(f"{name} {value:g}" for name, value in record.figures.items())
     note = f" ({record.note})" if record.note else ""
     return f"{step}: {record.quality}. {figures}{note}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from halo_service.app.options import add_profile, add_source, settings_from
 
@@ -18,8 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Exit code 0: nothing is missing; 1: something is."""
-    from halo_service.app.doctor import examine, told
+    from halo_service.app.doctor import examine, format_finding
 
     findings = examine(settings_from(options))
-    print("\n".join(told(finding) for finding in findings))
-    return int(not all(finding.good for finding in findings))
+    print("\n".join(format_finding(finding) for finding in findings))
+    if all(finding.good for finding in findings):
+        print("next: halo serve", file=sys.stderr)
+        return 0
+    return 1

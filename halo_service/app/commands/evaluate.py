@@ -64,8 +64,8 @@ def run(options: argparse.Namespace) -> int:
     from halo_service.app.evaluation_ui.evaluate import known_methods
     from halo_service.app.evaluation_ui.results import ReportOptions, open_report
 
-    refuse_idle(options)
-    known_methods(options.method)  # before --live takes four minutes of somebody's time
+    check_combination(options)
+    known_methods(options.method)  # before the four minutes of --live
     report = ReportOptions(options.csv, options.each, options.markdown, options.report)
     with open_report(report) as write:
         write(_results(options))
@@ -74,11 +74,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _results(options: argparse.Namespace) -> Sequence[Result]:
     from halo_service.app.evaluation_ui import evaluate
-    from halo_service.app.evaluation_ui.guided import first_light
+    from halo_service.app.evaluation_ui.guided import run_session
 
     settings = settings_from(options)
     if options.live is not None:
-        recording, script = first_light(settings, options.live, not options.no_colour)
+        recording, script = run_session(settings, options.live, not options.no_colour)
         recorded = evaluate.RecordingOptions(recording, None, script, options.method)
         return evaluate.evaluate_recording(settings, recorded)
     if options.recording is not None:
@@ -100,8 +100,8 @@ def _results(options: argparse.Namespace) -> Sequence[Result]:
     return evaluate.evaluate(settings, study)
 
 
-def refuse_idle(options: argparse.Namespace) -> None:
-    """Raise `UserError` for an option that has no effect together with another."""
+def check_combination(options: argparse.Namespace) -> None:
+    """Raise `UserError` for an option that has no effect with the others."""
     if options.live is not None:
         _refuse(options, "--live", "recording", "truth", "script", *STUDY)
     elif options.recording is not None:

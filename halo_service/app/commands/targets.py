@@ -34,7 +34,8 @@ def run(options: argparse.Namespace) -> int:
             print(f"halo: {options.folder / name}", file=sys.stderr)
     except OSError as error:
         raise UserError(
-            f"cannot write to '{options.folder}' ({error.strerror or error}); choose another folder"
+            f"'{options.folder}' cannot be written ({error.strerror or error}); choose another "
+            "folder"
         ) from error
     print(
         "next: print them at 100 %, then: halo calibrate surface --by markers --profile desk",

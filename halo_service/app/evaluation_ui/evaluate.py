@@ -56,7 +56,7 @@ def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
 
 
 def evaluate(settings: Settings, options: StudyOptions) -> tuple[Result, ...]:
-    """Run the study, with a progress bar; raises `UserError` for what cannot be run."""
+    """Run the study, with a progress bar; raises `UserError` for a wrong request."""
     tracker = _tracker(settings.tracking)
     cache = RecordingCache(
         options.cache or user_cache_path("halo-service", appauthor=False) / "recordings",
@@ -85,11 +85,11 @@ class RecordingOptions:
 
 
 def evaluate_recording(settings: Settings, options: RecordingOptions) -> tuple[Result, ...]:
-    """Compare a recording with its truth or script; raises `UserError` for what is none."""
+    """Compare a recording with its truth or script; raises `UserError` if one is wrong."""
     if options.truth is None and options.script is None:
-        raise UserError("evaluate RECORDING needs --truth T.jsonl, or --script S.json without it")
+        raise UserError("evaluate: a recording needs --truth T.jsonl or --script S.json")
     if not settings.profile:
-        raise UserError("evaluate: name the profile that goes with the recording: --profile P")
+        raise UserError("evaluate: name the profile of the recording: --profile P")
     profile = load_profile(profile_path(settings.profile))
     methods = known_methods(options.methods or READS_PROFILE)
     truth = read_lines(options.truth, "truth") if options.truth else None
@@ -148,7 +148,7 @@ def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
 def _cached(
     cache: RecordingCache, users: Sequence[int], materials: Sequence[str]
 ) -> dict[User, tuple[Task, ...]]:
-    """Plan what the cache holds, and nothing else."""
+    """Plan only what the cache holds."""
     plan = {}
     for file in sorted(cache.folder.glob(f"*/{study.CALIBRATION.name}.npz")):
         seed, _, material = file.parent.name.partition("-")

@@ -1,9 +1,9 @@
-"""`halo evaluate --live DIR`: what a camera's owner does once, and what came of it.
+"""`halo evaluate --live DIR`: a guided session on a real table, recorded.
 
-A guided session on a real table: touch each cross of the printed sheet, rest the finger on pegs,
-press on a scale. The crosses lie around the middle of the profile's surface, so that surface must
-have been found on the sheet. What is asked for is written down as a script while the frames are
-recorded, so that both can be sent to somebody and sensed again by any later version.
+The user touches each cross of the printed sheet, rests the finger on pegs and presses on a scale.
+The crosses are around the middle of the profile's surface, so that surface must be calibrated with
+the sheet. The session writes a recording and a script of the prompts; any later version can
+evaluate both again.
 """
 
 from __future__ import annotations
@@ -32,33 +32,33 @@ from halo_service.virtual.camera import SERIAL
 from halo_service.virtual.scenarios.study import FORCES_G, HEIGHTS_MM
 
 RECORDING, SCRIPT = "first-light.mkv", "first-light.json"
-"""What the session leaves in its folder."""
+"""The files that the session writes."""
 TOUCH_S, LEVEL_S = 2.5, 3.0
-"""Chosen: long enough to hear of a cross and touch it, and to read a scale."""
+"""Chosen: enough time to read a prompt and touch a cross, and to read a scale."""
 READY_S = 5.0
-"""Chosen: to put a peg there, or to see the scale come to rest."""
+"""Chosen: enough time to place a peg, or for the scale to settle."""
 ROUNDS = 2
-"""Crosses: at ease, then swiftly. Levels: twice each, as the paper's (5.2.2)."""
+"""Crosses: relaxed, then fast. Levels: twice each, as in the paper (5.2.2)."""
 MARGIN_MM = 10.0
-"""Of the surface around the outer crosses: people touch a few mm beside them (chosen)."""
+"""Surface around the outer crosses: people miss them by a few mm (chosen)."""
 
 Line = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Ask:
-    """One thing that is asked for."""
+class Prompt:
+    """One thing that the user does."""
 
     words: str
     ready_s: float
-    """Before what is told counts."""
+    """Time to get ready; frames in it do not count."""
     seconds: float
     step: str
     fields: dict[str, Any]
-    """Of the script's line."""
+    """More fields of its line in the script."""
 
 
-def asked(surface: Surface) -> Iterator[Ask]:
+def session_prompts(surface: Surface) -> Iterator[Prompt]:
     """Yield the whole session: 32 touches, 10 heights, 10 forces; four minutes.
 
     The crosses lie around the surface's middle.
@@ -67,28 +67,28 @@ def asked(surface: Surface) -> Iterator[Ask]:
         for number, (x, y) in enumerate(CROSSES_MM):
             words = f"Touch cross {cross_name(number)} {how}."
             place = [surface.width_mm / 2.0 + x, surface.height_mm / 2.0 + y]
-            yield Ask(words, 0.0, TOUCH_S, "target", {"target_mm": place})
+            yield Prompt(words, 0.0, TOUCH_S, "target", {"target_mm": place})
     for _ in range(ROUNDS):
         for height_mm in HEIGHTS_MM:
             words = f"Rest the fingertip on the peg of {height_mm:g} mm, so that it hides the peg."
-            yield Ask(words, READY_S, LEVEL_S, "hover", {"height_mm": height_mm})
+            yield Prompt(words, READY_S, LEVEL_S, "hover", {"height_mm": height_mm})
         for force_g in FORCES_G:
             words = f"Press until the scale shows {force_g:.0f} g, and hold."
-            yield Ask(words, READY_S, LEVEL_S, "pressure", {"force_g": force_g})
+            yield Prompt(words, READY_S, LEVEL_S, "pressure", {"force_g": force_g})
 
 
-def first_light(settings: Settings, folder: Path, colour: bool = True) -> tuple[Path, Path]:
-    """Lead through the session; return the recording, with colour or without, and its script.
+def run_session(settings: Settings, folder: Path, colour: bool = True) -> tuple[Path, Path]:
+    """Run the session; return the paths of the recording and of its script.
 
-    Raises `UserError` where the profile does not fit or lacks something, or the folder cannot be
-    written; what was recorded is then not kept.
+    Raises `UserError` if the profile does not fit or lacks something, or the folder cannot be
+    written; then no file is left.
     """
     profile = _profile(settings)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(
-            f"the folder {folder} cannot be made ({error.strerror}); give --live another one"
+            f"cannot create the folder {folder} ({error.strerror}); choose another: --live DIR"
         ) from error
     recording, script = folder / RECORDING, folder / SCRIPT
     with ExitStack() as stack:
@@ -104,56 +104,58 @@ def first_light(settings: Settings, folder: Path, colour: bool = True) -> tuple[
             recorder.write(frame)
             bar.advance()
 
-        lines = conduct(tuple(asked(profile.surface)), source, bar.say, keep)
+        lines = conduct(tuple(session_prompts(profile.surface)), source, bar.say, keep)
         file.write(json.dumps(lines, indent=1) + "\n")
     return recording, script
 
 
 def conduct(
-    asks: Sequence[Ask],
+    prompts: Sequence[Prompt],
     source: Source,
     say: Callable[[str], None],
     keep: Callable[[Frame], None],
 ) -> list[Line]:
-    """Ask for one thing after the other, and keep the frames; return the script.
+    """Say one prompt after another and pass each frame to `keep`; return the script.
 
-    Times start at the first frame: frames are kept with 0 as its time. The frame between two asks
-    belongs to neither and is left out.
+    Times start at the first frame, which gets time 0. The frame between two prompts belongs to
+    neither and is left out.
     """
     session = Session(source)
     first_us: int | None = None
     lines: list[Line] = []
-    for ask in asks:
-        say(ask.words)
+    for prompt in prompts:
+        say(prompt.words)
         times: list[float] = []
-        for frame in session.lasting(ask.ready_s + ask.seconds, ask.step):
+        for frame in session.lasting(prompt.ready_s + prompt.seconds, prompt.step):
             first_us = frame.time_us if first_us is None else first_us
             keep(replace(frame, time_us=frame.time_us - first_us))
             times.append((frame.time_us - first_us) / 1e6)
         if times:
-            from_s = times[0] + ask.ready_s
-            lines.append({"step": ask.step, "from_s": from_s, "to_s": times[-1], **ask.fields})
+            from_s = times[0] + prompt.ready_s
+            lines.append(
+                {"step": prompt.step, "from_s": from_s, "to_s": times[-1], **prompt.fields}
+            )
     return lines
 
 
 def require_crosses(profile: Profile) -> None:
-    """Raise `UserError` for a profile that cannot tell where the sheet's crosses are."""
+    """Raise `UserError` for a profile in which the positions of the crosses are unknown."""
     require_touch(profile)
     surface, again = profile.surface, "run 'halo calibrate surface --by markers' with it"
     step = profile.steps.get("surface")
-    # Only what was found has an error. On the virtual table nothing need be found: its targets lie
-    # around the middle of the view.
+    # Only a surface found on the sheet has an error. The virtual table needs no sheet: its targets
+    # are around the middle of the view.
     found = step is not None and "error_mm" in step.figures
     if not found and profile.camera.serial != SERIAL:
         raise UserError(
-            f"the surface of the profile {profile.name} was laid by the camera's view, so nobody "
-            f"knows where the crosses are: lay the surface sheet exactly on theirs, and {again}"
+            f"the surface of the profile '{profile.name}' is the middle of the camera's view, so "
+            f"the positions of the crosses are unknown: put the surface sheet there, and {again}"
         )
     least_mm = 2.0 * (max(x for x, _ in CROSSES_MM) + MARGIN_MM)
     if min(surface.width_mm, surface.height_mm) < least_mm:
         raise UserError(
-            f"the surface of the profile {profile.name} is {surface.width_mm:.0f} x "
-            f"{surface.height_mm:.0f} mm, and the crosses want {least_mm:.0f} x {least_mm:.0f} mm: "
+            f"the surface of the profile '{profile.name}' is {surface.width_mm:.0f} x "
+            f"{surface.height_mm:.0f} mm, and the crosses need {least_mm:.0f} x {least_mm:.0f} mm: "
             f"{again}"
         )
 

@@ -80,7 +80,7 @@ def _words(options: ReportOptions, results: Sequence[Result], package: str) -> s
 
 
 def _facts(results: Sequence[Result], package: str) -> dict[str, str]:
-    """Say what the results are of."""
+    """Return the facts that identify the results."""
     return {
         "date": date.today().isoformat(),
         "command": shlex.join(("halo", *sys.argv[1:])),

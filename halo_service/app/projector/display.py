@@ -1,7 +1,7 @@
-"""The projector's display: one picture over the whole of it, in a process of its own.
+"""The display of the projector: one full-screen picture, in a process of its own.
 
-Rule: pygame lives in that process alone, which needs its main thread on some systems and answers
-the window manager while ours is busy. A picture is on its way to the glass when `show` returns.
+Rule: only that process imports pygame, which needs the main thread on some systems and must answer
+the window manager while our process is busy. When `show` returns, the picture is on the display.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from halo_service.errors import UserError
 Picture = NDArray[np.uint8]
 
 START_S = 20.0
-"""A window that has not opened by then will not."""
+"""Time for the window to open."""
 TICK_S = 1.0 / 60.0
-"""How often the window looks for keys and for a new picture."""
+"""Time between two looks for keys and for a new picture."""
 
 
 class Display:
@@ -31,10 +31,10 @@ class Display:
     changes = True
 
     def __init__(self, number: int = 0, *, full_screen: bool = True) -> None:
-        """Open it and wait until it is there. Raises `UserError` where it cannot be had."""
+        """Open it and wait until it is visible. Raises `UserError` if it cannot open."""
         if importlib.util.find_spec("pygame") is None:
             raise UserError(
-                "a picture on the projector needs pygame-ce; `uv sync --extra projector` brings it"
+                "a picture on the projector needs pygame-ce: run 'uv sync --extra projector'"
             )
         context = multiprocessing.get_context("spawn")
         self._pipe, far_end = context.Pipe()
@@ -44,14 +44,14 @@ class Display:
         self._process.start()
         far_end.close()
         self.size_px: tuple[int, int] = self._opened()
-        """Width and height of what is shown."""
+        """Width and height of the picture."""
         self.open = True
-        """False once the user has closed it with Escape, Q or its button."""
+        """False after the user closed it with Escape, Q or its button."""
 
     def show(self, picture: Picture) -> None:
-        """Show a (height, width, 3) BGR picture of `size_px`, until another comes.
+        """Show a (height, width, 3) BGR picture of `size_px`, until the next call.
 
-        Does nothing once the user has closed the display: `open` tells.
+        Does nothing after the user closed the display; see `open`.
         """
         if not self.open:
             return
@@ -62,7 +62,7 @@ class Display:
             self.open = False
 
     def close(self) -> None:
-        """Take the picture away. May be called twice."""
+        """Close the display. May be called twice."""
         self.open = False
         self._pipe.close()
         self._process.join(2.0)
@@ -77,7 +77,7 @@ class Display:
         self.close()
 
     def _opened(self) -> tuple[int, int]:
-        answer: object = "it did not open in time; try again on a less busy machine"
+        answer: object = "no window in time; close other programs and try again"
         try:
             if self._pipe.poll(START_S):
                 answer = self._pipe.recv()
@@ -88,14 +88,14 @@ class Display:
         self._pipe.close()
         self._process.kill()
         self._process.join()
-        raise UserError(f"the display cannot be had: {answer}")
+        raise UserError(f"cannot open the display: {answer}")
 
 
 def _run(pipe: Connection, number: int, full_screen: bool) -> None:
-    """The other side: a window that shows what comes through the pipe, until the pipe ends."""
-    from halo_window import Stage, StageError  # before pygame, whose greeting it silences
+    """Run in the other process: show what comes through the pipe, until it ends."""
+    from halo_window import Stage, StageError  # before pygame: it silences the greeting of pygame
 
-    # A whole process group is told to stop; ending this one is its parent's affair.
+    # Ctrl-C reaches all processes of the group; our parent ends this one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     import pygame
 
@@ -104,7 +104,7 @@ def _run(pipe: Connection, number: int, full_screen: bool) -> None:
     except StageError as error:
         pipe.send(str(error))
         return
-    # What is measured is pixels: a window that could be resized would scale them.
+    # We measure pixels; a window that can be resized would scale them.
     width, height = stage.screen.get_size()
     pipe.send((width, height))
     with stage:

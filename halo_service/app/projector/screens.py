@@ -1,4 +1,4 @@
-"""What shows a picture on the table: the projector's display, the virtual projector, or a file.
+"""Opens what shows pictures on the table: a display, the virtual projector, or a file.
 
 Rule: each is a `Screen` of the guided calibration.
 """
@@ -25,33 +25,33 @@ from halo_service.sources import Source
 Picture = NDArray[np.uint8]
 
 FILE_PX = (1920, 1080)
-"""Size of the picture in a file where none is given: most projectors'."""
+"""Default size of the picture in a file: that of most projectors."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScreenRequest:
-    """Where the user wants pictures to be shown."""
+    """Where to show pictures."""
 
     display: int = 0
-    """Which display is the projector, from 0."""
+    """Number of the projector's display, from 0."""
     window: bool = False
-    """In a window of it, for a look without a projector."""
+    """In a window of that display, to try it without a projector."""
     picture: Path | None = None
-    """A PNG that some other player shows full screen, instead of a display."""
+    """A PNG to write for another program that shows it full screen."""
     size_px: tuple[int, int] = FILE_PX
-    """Of that PNG."""
+    """Width and height of that PNG."""
 
 
 def size_of(text: str) -> tuple[int, int]:
     """Read `1920x1080`. Raises `UserError`."""
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise UserError(f"'{text}' is no picture's size; give it in pixels, like 1920x1080")
+        raise UserError(f"'{text}' is not a picture size; write it in pixels, like 1920x1080")
     return int(width), int(height)
 
 
 class _Virtual:
-    """The projector in the virtual user's room."""
+    """The virtual projector."""
 
     changes = True
 
@@ -61,7 +61,7 @@ class _Virtual:
 
 
 class _File:
-    """A PNG that the user shows with another player."""
+    """A PNG that the user shows with another program."""
 
     changes = False
 
@@ -72,13 +72,13 @@ class _File:
     def show(self, picture: Picture) -> None:
         """Write it, and wait for the user."""
         good, data = cv2.imencode(".png", picture)
-        assert good  # PNG takes any picture of bytes
+        assert good  # PNG can hold any picture of bytes
         try:
             with appearing(self._path) as file:
                 file.write(data.tobytes())
         except OSError as error:
             raise UserError(
-                f"'{self._path}' cannot be written ({error.strerror}); choose another place for it"
+                f"'{self._path}' cannot be written ({error.strerror}); choose another path"
             ) from error
         width, height = self.size_px
         print(
@@ -86,12 +86,12 @@ class _File:
             f"scaled, then press Enter.",
             file=sys.stderr,
         )
-        if sys.stdin.isatty():  # else a program drives us, and has its own way to wait
+        if sys.stdin.isatty():  # otherwise a program runs us, and waits by its own means
             sys.stdin.readline()
 
 
 def screen_for(source: Source, request: ScreenRequest) -> AbstractContextManager[Screen]:
-    """Open what shows pictures over a source's table. Raises `UserError`."""
+    """Open the screen for the table of a source. Raises `UserError`."""
     if request.picture is not None:
         return nullcontext(_File(request.picture, request.size_px))
     if isinstance(source, VirtualUser):

@@ -21,15 +21,15 @@ from halo_service.values import BadFrame, Frame
 log = logging.getLogger(__name__)
 
 READ_S = 0.25
-"""Longest wait for a capture, so that Ctrl-C is heard."""
+"""Longest wait for a frame, so that Ctrl-C works soon."""
 
 
 def record(out: Path, settings: SourceSettings, seconds: float | None, colour: bool) -> int:
     """Record a source until it ends, `seconds` are over or Ctrl-C; return the number of frames.
 
-    Raises `UserError` where the source or the file fails; what was recorded is then not kept.
+    Raises `UserError` if the source or the file fails; then no file is left.
     """
-    # A recording is copied as fast as it goes, and nothing of it is left out.
+    # A recording is copied as fast as possible, with every frame.
     source, _ = open_source(replace(settings, fast=settings.name.startswith("recording:")))
     stopped = threading.Event()
 
@@ -49,7 +49,7 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
             first_us = frame.time_us if first_us is None else first_us
             if seconds is not None and frame.time_us - first_us >= 1e6 * seconds:
                 break
-            # A player would show Unix time as a length of decades, so a live take begins at 0.
+            # A player would show Unix time as a length of decades, so a live recording begins at 0.
             start_us = 0 if source.kind == "recording" else first_us
             count += recorder.write(replace(frame, time_us=frame.time_us - start_us))
             bar.advance()
@@ -57,13 +57,13 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
 
 
 def _captures(source: Source, stopped: threading.Event) -> Iterator[Frame]:
-    """Yield what can be recorded until the source ends or somebody stops it."""
+    """Yield good frames until the source ends or the user stops."""
     while not stopped.is_set():
         try:
             capture = source.read(READ_S)
         except EndOfSource:
             return
         if isinstance(capture, BadFrame):
-            log.warning("frame: %s; it is not in the recording", capture.reason)
+            log.warning("bad frame, not recorded: %s", capture.reason)
         elif capture is not None:
             yield capture

@@ -1,4 +1,4 @@
-"""`halo replay`: a recording in, one line of JSON a frame out; the same bytes on every run."""
+"""`halo replay`: a recording in, one line of JSON per frame out; the same bytes on every run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NODE = "replay"
 def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
     """Replay a recording into a file, or to the terminal for `-`; return the number of frames.
 
-    `method`: the name of who senses. Raises `UserError` for a name that nobody has.
+    `method`: a name of `evaluation.methods`; raises `UserError` for an unknown one.
     Without a profile the frames have no pointers. The file appears when it is complete.
     """
     chosen = method_named(method)
@@ -36,25 +36,25 @@ def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
         state = chosen.start(profile, settings.sensing)
         with _looking(source, profile, settings) as look, written(out) as file:
             count = 0
-            for told in sensed(source, look, chosen, state):
-                file.write(frame_line(told, NODE, session, count))
+            for touch_frame in sensed(source, look, chosen, state):
+                file.write(frame_line(touch_frame, NODE, session, count))
                 count += 1
     return count
 
 
 def session_of(recording: Path) -> str:
-    """Name the session after the file's content, so that every run writes the same name."""
+    """Return a session name from the content of the file: the same on every run."""
     with recording.open("rb") as file:
         return f"r{hashlib.file_digest(file, 'sha256').hexdigest()[:15]}"
 
 
 @contextmanager
 def _looking(source: Source, profile: Profile | None, settings: Settings) -> Iterator[Look]:
-    """Give the hand tracker; without a profile nobody asks for hands, so none is loaded."""
+    """Yield the hand tracker; without a profile no hands are needed, so none is loaded."""
     if profile is None:
         yield lambda frame: None
         return
     from halo_service.app.hand_detector import HandDetector
 
-    with closing(HandDetector(source.camera, profile, settings.tracking)) as eyes:
-        yield eyes.look
+    with closing(HandDetector(source.camera, profile, settings.tracking)) as detector:
+        yield detector.look

@@ -15,7 +15,7 @@ from halo_service.outputs.recorder import Recorder
 
 @dataclass(frozen=True, slots=True)
 class SimulateRequest:
-    """What `halo simulate` is asked for."""
+    """What the command line asks for."""
 
     scenario: str
     out: Path
@@ -27,9 +27,9 @@ class SimulateRequest:
 
 
 def simulate(request: SimulateRequest) -> int:
-    """Draw a take at full quality with its truth beside it; return the number of frames.
+    """Render a recording at full quality, and its truth; return the number of frames.
 
-    All of its files appear together when it is complete, or none does.
+    All files appear together when the recording is complete, or none does.
     """
     from halo_service.virtual.offline import Take
     from halo_service.virtual.sim_url import parse_sim_url
@@ -37,10 +37,10 @@ def simulate(request: SimulateRequest) -> int:
     simulated = parse_sim_url(f"sim:{request.scenario.removeprefix('sim:')}", seed=request.seed)
     take = Take(simulated, request.seconds, colour=request.colour)
     if STDOUT in (str(request.out), request.truth, request.script):
-        raise UserError("simulate writes files; name them, '-' is none")
+        raise UserError("simulate cannot write to stdout (-): name a file")
     count = 0
     with ExitStack() as stack:
-        # Left in reverse order: the recording, which can still fail on a full disk, comes first.
+        # Closed in reverse order: first the recording, which a full disk can still stop.
         script = stack.enter_context(written(request.script)) if request.script else None
         truth = stack.enter_context(written(request.truth)) if request.truth else None
         recorder = stack.enter_context(

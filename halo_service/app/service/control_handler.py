@@ -1,6 +1,6 @@
-"""What clients say to the control port, and what becomes of it.
+"""Handles the messages that clients send to the control port.
 
-Rule: one row an address. What nobody understands is told once and skipped.
+Rule: one row per address. An unknown or wrong message is logged once and skipped.
 """
 
 from __future__ import annotations
@@ -16,56 +16,56 @@ from halo_service.sources import Source
 
 log = logging.getLogger(__name__)
 
-REMEMBERED = 64
-"""Complaints kept, so that each is made once."""
+MAX_WARNINGS = 64
+"""Different warnings that are logged, each once; any client can send more."""
 
 
 class ControlHandler:
-    """Takes what has come since the last frame, and obeys."""
+    """Handles what has arrived since the last frame."""
 
-    def __init__(self, control: ControlPort, keeper: ProfileReloader) -> None:
+    def __init__(self, control: ControlPort, reloader: ProfileReloader) -> None:
         self._control = control
-        self._keeper = keeper
-        self._complained: set[str] = set()
+        self._reloader = reloader
+        self._warned: set[str] = set()
         self._rows: dict[str, Callable[[ControlMessage, State, Source | None], State]] = {
-            "/halo/1/sim/finger": _play_finger,
-            "/halo/1/control/background": self._retake,
+            "/halo/1/sim/finger": _move_finger,
+            "/halo/1/control/background": self._retake_background,
         }
 
-    def obey(self, state: State, source: Source | None) -> State:
-        """Obey all orders; return the state that they leave. `source`: None while it is lost."""
-        for told in self._control.drain():
-            row = self._rows.get(told.address)
+    def handle(self, state: State, source: Source | None) -> State:
+        """Handle all messages; return the new state. `source`: None while it is lost."""
+        for message in self._control.drain():
+            row = self._rows.get(message.address)
             try:
                 if row is None:
-                    raise UserError(f"nobody understands it; known: {', '.join(self._rows)}")
-                state = row(told, state, source)
+                    raise UserError(f"unknown address; choose from: {', '.join(self._rows)}")
+                state = row(message, state, source)
             except UserError as error:
-                self._complain(told, str(error))
-        return self._keeper.refresh(state)
+                self._warn(message, str(error))
+        return self._reloader.refresh(state)
 
-    def _retake(self, told: ControlMessage, state: State, source: Source | None) -> State:
-        """Take the background anew; the scene's revision tells when it is there."""
-        del told, source
-        self._keeper.retake()
+    def _retake_background(
+        self, message: ControlMessage, state: State, source: Source | None
+    ) -> State:
+        """Start a new background; the revision in the scene changes when it is done."""
+        del message, source
+        self._reloader.retake_background()
         return state
 
-    def _complain(self, told: ControlMessage, why: str) -> None:
-        said = f"control: {told.address[:80]} was skipped: {why}"
-        if said not in self._complained and len(self._complained) < REMEMBERED:
-            self._complained.add(said)
-            log.warning("%s", said)
+    def _warn(self, message: ControlMessage, why: str) -> None:
+        warning = f"control: skipped {message.address[:80]}: {why}"
+        if warning not in self._warned and len(self._warned) < MAX_WARNINGS:
+            self._warned.add(warning)
+            log.warning("%s", warning)
 
 
-def _play_finger(told: ControlMessage, state: State, source: Source | None) -> State:
-    """Hand a finger's place to the virtual Kinect that is played by messages."""
+def _move_finger(message: ControlMessage, state: State, source: Source | None) -> State:
+    """Move the finger of the virtual camera `sim:hand`."""
     from halo_service.virtual.live import VirtualKinect
     from halo_service.virtual.scenarios.controlled import parse_command
 
     if not isinstance(source, VirtualKinect):
-        raise UserError("there is no virtual Kinect to play; start with --source sim:hand")
-    parse_command(
-        told.arguments
-    )  # a message that holds something else is refused here, with its reason
-    source.tell(told.arguments)
+        raise UserError("the source is no virtual camera; start with --source sim:hand")
+    parse_command(message.arguments)  # raises `UserError` with the reason for a wrong message
+    source.tell(message.arguments)
     return state

@@ -1,7 +1,8 @@
-"""Keeps the running service's profile: takes up what changes on disk, retakes the background.
+"""Updates the profile of the running service: reloads it when its file changes, and measures a new
+background on request.
 
-Rule: reading, averaging and saving happen in a thread of their own; the live loop is handed a
-finished profile between two frames.
+Rule: a thread of its own reads, averages and saves; the live loop gets a complete profile between
+two frames.
 """
 
 from __future__ import annotations
@@ -26,47 +27,47 @@ from halo_service.values import Frame, Tracked
 log = logging.getLogger(__name__)
 
 LOOK_S = 0.5
-"""How often the profile on disk is looked at."""
+"""Time between two looks at the profile on disk."""
 
 
 class ProfileReloader:
-    """One profile while the service runs."""
+    """Holds one profile while the service runs."""
 
     def __init__(self, folder: Path | None, camera: Camera, profile: Profile | None) -> None:
-        """`folder`: where the profile lives; None for one that lives in memory alone."""
+        """`folder`: where the profile is; None for a profile in memory alone."""
         self._folder = folder
         self._camera = camera
         self._profile = profile
         self._stamp = self._stamp_now()
-        self._taken: list[Frame] | None = None
+        self._collected: list[Frame] | None = None
         self._ready: Latest[list[Frame]] = Latest()
         self._new: Latest[Profile] = Latest()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="profile", daemon=True)
         self._thread.start()
 
-    def retake(self) -> None:
-        """Take the background anew out of the next frames. Raises `UserError` without a profile."""
+    def retake_background(self) -> None:
+        """Measure the background from the next frames. Raises `UserError` without a profile."""
         if self._profile is None:
             raise UserError("there is no profile yet: run 'halo calibrate' first")
-        if self._taken is None:
-            log.info("background: taking it anew; keep hands away for two seconds")
-            self._taken = []
+        if self._collected is None:
+            log.info("background: measuring a new one; keep hands away for two seconds")
+            self._collected = []
 
     def watch(self, frame: Frame) -> None:
-        """Be shown every frame; cheap."""
-        if self._taken is None:
+        """Collect a frame while a background is measured; fast."""
+        if self._collected is None:
             return
-        self._taken.append(frame)
-        if len(self._taken) == WANTED_FRAMES:
-            self._ready.put(self._taken)
-            self._taken = None
+        self._collected.append(frame)
+        if len(self._collected) == WANTED_FRAMES:
+            self._ready.put(self._collected)
+            self._collected = None
 
     def refresh(self, state: State) -> State:
         """Return the state with the newest profile."""
-        if self._taken is not None and any(finger.pointer for finger in state.fingers):
-            log.warning("background: a hand is in view, so it was not taken; take it away first")
-            self._taken = None
+        if self._collected is not None and any(finger.pointer for finger in state.fingers):
+            log.warning("background: not measured, a hand is in view; remove it and try again")
+            self._collected = None
         profile = self._new.take(0.0)
         return state if profile is None else adopt(state, profile)
 
@@ -82,20 +83,20 @@ class ProfileReloader:
             try:
                 with errors.guard("profile"):
                     if frames is not None:
-                        self._keep(frames)
-                    self._reread()
+                        self._save_background(frames)
+                    self._reload()
             except UserError as error:
-                log.warning("%s; the profile that was there is kept", error)
+                log.warning("%s; the service goes on with the profile it has", error)
 
-    def _keep(self, frames: list[Frame]) -> None:
-        assert self._profile is not None  # `retake` saw to it
+    def _save_background(self, frames: list[Frame]) -> None:
+        assert self._profile is not None  # `retake_background` checked it
         date = datetime.now(UTC).replace(microsecond=0, tzinfo=None).isoformat() + "Z"
         setup = Setup(self._profile.name, self._camera, date)
         change = background_change(setup, frames, _no_hands)
         self._profile = self._changed(change)
         self._stamp = self._stamp_now()
         self._new.put(self._profile)
-        log.info("background: taken anew, revision %d", self._profile.revision)
+        log.info("background: new, revision %d", self._profile.revision)
 
     def _changed(self, change: Change) -> Profile:
         if self._folder is not None:
@@ -103,7 +104,7 @@ class ProfileReloader:
         assert self._profile is not None
         return replace(change(self._profile), revision=self._profile.revision + 1)
 
-    def _reread(self) -> None:
+    def _reload(self) -> None:
         stamp = self._stamp_now()
         if stamp == self._stamp or stamp is None or self._folder is None:
             return
@@ -115,16 +116,16 @@ class ProfileReloader:
         log.info("profile: '%s' changed, now revision %d", profile.name, profile.revision)
 
     def _stamp_now(self) -> tuple[int, int, int] | None:
-        """Return what tells one version of the text from another; None where there is none."""
+        """Return what differs between two versions of the file; None if there is no file."""
         if self._folder is None:
             return None
         try:
             stat = (self._folder / TEXT).stat()
         except OSError:
-            return None  # moved away: what we have is kept until there is another
+            return None  # moved away: use the loaded one until there is another
         return stat.st_mtime_ns, stat.st_size, stat.st_ino
 
 
 def _no_hands(frame: Frame) -> Tracked:
-    """The live tracker saw none: `refresh` gives up where there is a pointer."""
+    """Return no hands: `refresh` stops the measurement while there is a pointer."""
     return Tracked(frame.time_us, ())

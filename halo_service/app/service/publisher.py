@@ -1,4 +1,4 @@
-"""Says a frame, the scene and the health on every carrier, in the same bytes."""
+"""Sends frames, the scene and the health on every carrier, in the same bytes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CALIBRATIONS = {
 
 
 class Publisher:
-    """What the live loop tells clients with."""
+    """Sends what the live loop publishes to clients."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Publisher:
         control_port: int = 0,
         names: NameWatch | None = None,
     ) -> None:
-        """`surface`: its name, in every address; `kind`: what the frames come from;
+        """`surface`: its name, in every address; `kind`: where the frames come from;
         `control_port`: 0 if there is none; `names`: notices other services of the same name."""
         self._frames = frames
         self._carriers = carriers
@@ -55,12 +55,12 @@ class Publisher:
         self._names = names
         self._errors = ErrorLog()
 
-    def frame(self, told: TouchFrame) -> None:
+    def frame(self, frame: TouchFrame) -> None:
         """Send one frame."""
-        self._send("frame", self._frames.encode(told))
+        self._send("frame", self._frames.encode(frame))
 
     def scene(self, state: State) -> None:
-        """Send the scene, and pose and homography where a profile knows them."""
+        """Send the scene, and pose and homography if the profile has them."""
         node, session = self._frames.node, self._frames.session
         profile = state.profile
         _, width_mm, height_mm = DEFAULT_SURFACE
@@ -82,24 +82,24 @@ class Publisher:
             collision=int(self._names is not None and self._names.collision(time.monotonic())),
         )
         self._send("scene", [wire.encode(self._surface, scene)])
-        if profile is not None:  # after the scene, whose revision they belong to
+        if profile is not None:  # after the scene: they refer to its revision
             self._send("pose", [wire.encode(self._surface, self._pose(profile))])
             if profile.projector is not None:
                 homography = self._homography(profile, profile.projector)
                 self._send("homography", [wire.encode(self._surface, homography)])
 
-    def health(self, vitals: Health) -> None:
-        """Send how the service fares."""
+    def health(self, current: Health) -> None:
+        """Send the health of the service."""
         health = wire.Health(
             self._frames.node,
             self._frames.session,
-            vitals.fps,
-            vitals.latency_ms,
-            vitals.drops,
-            vitals.bad_frames,
-            wire.Tracker[vitals.tracker.upper()],
-            wire.Camera[vitals.camera.upper()],
-            vitals.tracker_ms,
+            current.fps,
+            current.latency_ms,
+            current.drops,
+            current.bad_frames,
+            wire.Tracker[current.tracker.upper()],
+            wire.Camera[current.camera.upper()],
+            current.tracker_ms,
             CLOCK.jumps,
             CLOCK.error_ms,
         )
@@ -133,5 +133,5 @@ class Publisher:
 
 
 def _numbers(matrix: NDArray[np.float64]) -> tuple[float, ...]:
-    """Row by row, as the wire has them."""
+    """Return the numbers row by row, as on the wire."""
     return tuple(float(x) for x in matrix.ravel())

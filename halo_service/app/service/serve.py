@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import logging
 import secrets
-import signal
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from functools import partial
-from types import FrameType
 
 import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.process import stop_on_signals
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.app.service.publisher import Publisher
@@ -42,14 +41,14 @@ def serve(settings: Settings) -> None:
     with ExitStack() as stack:
         control = ControlPort(settings.control.host, settings.control.port)
         stack.callback(control.close)
-        kept = load(profile_path(settings.profile)) if settings.profile else None
-        surface = kept.surface.name if kept else DEFAULT_SURFACE[0]
+        saved = load(profile_path(settings.profile)) if settings.profile else None
+        surface = saved.surface.name if saved else DEFAULT_SURFACE[0]
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
         carriers = _carriers(settings, names, surface, stack)
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
-        profile = profile_for(source, kept, settings)
+        profile = profile_for(source, saved, settings)
         frames = FrameEncoder(node, session, wire.first_frame(CLOCK.unix_us()))
         publisher = Publisher(
             frames, carriers, source.kind, source.camera, surface, control.port, names
@@ -59,31 +58,33 @@ def serve(settings: Settings) -> None:
             stack.callback(tracker.close)
         state = start(profile, settings.sensing)
         folder = profile_path(settings.profile) if settings.profile else None
-        keeper = ProfileReloader(folder, source.camera, profile)
-        stack.callback(keeper.close)
-        orders = ControlHandler(control, keeper)
-        again = partial(_same_again, reopen, source.camera)
-        loop = LiveLoop(source, again, tracker, state, publisher, orders.obey, keeper.watch)
-        _stop_on_signals(loop)
-        _greet(settings, source, profile, node, control.port)
+        reloader = ProfileReloader(folder, source.camera, profile)
+        stack.callback(reloader.close)
+        handler = ControlHandler(control, reloader)
+        reopen_same = partial(_reopen_same, reopen, source.camera)
+        loop = LiveLoop(
+            source, reopen_same, tracker, state, publisher, handler.handle, reloader.watch
+        )
+        stop_on_signals(loop.stop)
+        _log_start(settings, source, profile, node, control.port)
         loop.run()
 
 
-def profile_for(source: Source, kept: Profile | None, settings: Settings) -> Profile | None:
-    """Return the profile to sense with: the user's, the virtual sensor's own, or none."""
-    if kept is not None:
-        require_fit(kept, source.camera)
-        return kept
+def profile_for(source: Source, saved: Profile | None, settings: Settings) -> Profile | None:
+    """Return the profile to use: the saved one, the virtual camera's own, or None."""
+    if saved is not None:
+        require_fit(saved, source.camera)
+        return saved
     if source.kind == "virtual":
-        log.info("profile: measuring the virtual room, a few seconds")
+        log.info("profile: measuring the virtual table, a few seconds")
         from halo_service.app.virtual_user.profile import virtual_profile
         from halo_service.virtual.live import VirtualKinect
 
-        assert isinstance(source, VirtualKinect)  # nothing else calls itself virtual
+        assert isinstance(source, VirtualKinect)  # the only virtual source here
         return virtual_profile(source.room, settings)
     log.warning(
-        "profile: none, so frames carry no pointers until this place is calibrated: "
-        "run 'halo calibrate --profile desk', then start with --profile desk"
+        "profile: none, so frames have no pointers; run 'halo calibrate --profile desk', "
+        "then start with --profile desk"
     )
     return None
 
@@ -96,19 +97,19 @@ def _node(name: str) -> str:
 
 
 def _tracker(source: Source, profile: Profile | None, settings: Settings) -> TrackerThread | None:
-    """Make the hand tracker; a recording without a profile has no use for hands, and needs none."""
+    """Make the hand tracker; None for a recording without a profile, which needs no hands."""
     if profile is None and not settings.profile and source.kind == "recording":
         return None
-    model_for(settings.tracking)  # here, so that a model that cannot be had is told at the start
+    model_for(settings.tracking)  # here, so that a missing model is an error at the start
     return TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
 
 
-def _same_again(reopen: Callable[[], Source], camera: Camera) -> Source:
-    """Open the source that was lost; another device in its place is not it."""
+def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
+    """Open the lost source again. Raises `UserError` for another device."""
     source = reopen()
     if source.camera.serial != camera.serial:
         source.close()
-        raise UserError(f"camera {source.camera.serial} is not {camera.serial}, which was lost")
+        raise UserError(f"camera {source.camera.serial} is not the lost camera {camera.serial}")
     return source
 
 
@@ -128,15 +129,7 @@ def _carriers(
     return carriers
 
 
-def _stop_on_signals(loop: LiveLoop) -> None:
-    def stop(number: int, where: FrameType | None) -> None:
-        loop.stop()
-
-    signal.signal(signal.SIGINT, stop)
-    signal.signal(signal.SIGTERM, stop)
-
-
-def _greet(
+def _log_start(
     settings: Settings, source: Source, profile: Profile | None, node: str, control_port: int
 ) -> None:
     osc = ", ".join(settings.osc.destinations) if settings.osc.enabled else "off"

@@ -1,7 +1,7 @@
-"""A grid on the table, and how far from its crossings fingers land. Pure.
+"""A grid on the table, and the distance of touches from its crossings. Pure.
 
-Rule: places are mm on the surface; pixels of the projector have (0, 0) at the outer corner of the
-top left one.
+Rule: positions are mm on the surface; projector pixels have (0, 0) at the outer corner of the top
+left pixel.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ Places = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 STEP_MM = 50.0
-"""Between crossings, about: a third of the paper's area has six of them; chosen."""
+"""About the distance between crossings; chosen."""
 EDGE_MM = 30.0
-"""From the surface's edge to the outermost crossings: a hand still fits in the camera's view."""
+"""From the edge of the surface to the outer crossings, so that the hand stays in view."""
 REACH_MM = 20.0
-"""A touch farther from every crossing than this was meant for none; less than half a step."""
+"""A touch farther than this from every crossing is not counted; less than half a step."""
 SHIFT = 4
-"""Bits after the point in what OpenCV draws, so that lines lie where they are said to lie."""
+"""Fractional bits of OpenCV's drawing coordinates, for lines at exact positions."""
 EDGE, GRID, DOT, NEXT, TEXT = (
     (90, 60, 30),
     (90, 90, 90),
@@ -36,17 +36,17 @@ EDGE, GRID, DOT, NEXT, TEXT = (
 
 @dataclass(frozen=True, slots=True)
 class Landing:
-    """One touch beside a crossing."""
+    """One touch near a crossing."""
 
     crossing: int
     dx_mm: float
-    """To the right of it."""
+    """Positive: to the right of the crossing."""
     dy_mm: float
-    """Nearer to the user than it."""
+    """Positive: nearer to the user."""
 
     @property
     def off_mm(self) -> float:
-        """How far from it."""
+        """Distance from the crossing."""
         return float(np.hypot(self.dx_mm, self.dy_mm))
 
 
@@ -60,12 +60,12 @@ class Summary:
     median_mm: float
     p95_mm: float
     worst: int
-    """The crossing whose touches lie farthest off, by their median."""
+    """The crossing with the largest median error."""
     worst_mm: float
 
 
 class Grid:
-    """Crossings over a surface, and what has landed on them."""
+    """Crossings over a surface, and the touches on them."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class Grid:
         size_px: tuple[int, int],
     ) -> None:
         """`picture_from_surface`: (3, 3) homography, mm -> px of a picture of `size_px`; crossings
-        that do not lie in it are left out."""
+        outside that picture are left out."""
         self._matrix, self._size_px = picture_from_surface, size_px
         self._corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * (width_mm, height_mm)
         self._xs, self._ys = _spread(width_mm), _spread(height_mm)
@@ -86,10 +86,10 @@ class Grid:
         """(N, 2), row by row from the far left."""
         self.landings: list[Landing] = []
         self.given_up: set[int] = set()
-        """Crossings that are asked for no more."""
+        """Crossings that the user need not touch any more."""
 
     def land(self, x_mm: float, y_mm: float) -> Landing | None:
-        """Count a touch for the crossing it is nearest to; None where there is none near."""
+        """Count a touch for the nearest crossing; None if none is near."""
         away = self.places - (x_mm, y_mm)
         nearest = int(np.argmin(np.hypot(*away.T)))
         landing = Landing(nearest, *(-float(part) for part in away[nearest]))
@@ -100,7 +100,7 @@ class Grid:
 
     @property
     def next(self) -> int | None:
-        """The first crossing that is yet to be touched; None when there is none."""
+        """The first crossing that is not touched yet; None when all are."""
         done = {landing.crossing for landing in self.landings} | self.given_up
         return next((n for n in range(len(self.places)) if n not in done), None)
 
@@ -123,18 +123,18 @@ class Grid:
         )
 
     def name(self, crossing: int) -> str:
-        """Say where a crossing is, in words and mm."""
+        """Return where a crossing is, in words and mm."""
         x, y = self.places[crossing]
         row, column = np.argmin(np.abs(self._ys - y)), np.argmin(np.abs(self._xs - x))
         return f"row {row + 1} from the far edge, column {column + 1} ({x:.0f}, {y:.0f} mm)"
 
     def pixel(self, crossing: int) -> tuple[float, float]:
-        """Where a crossing is in the picture."""
+        """Return the position of a crossing in the picture, px."""
         x, y = _pixels(self._matrix, self.places[crossing][None])[0]
         return float(x), float(y)
 
     def picture(self, fingers: Sequence[Finger]) -> Picture:
-        """Draw the surface's edge, the grid, a dot under each finger and what has landed; (height,
+        """Draw the edge of the surface, the grid, a dot under each finger and the touches; (height,
         width, 3) BGR."""
         picture_from_surface = self._matrix
         canvas = np.zeros((self._size_px[1], self._size_px[0], 3), np.uint8)
@@ -147,7 +147,7 @@ class Grid:
         if self.next is not None:
             _ring(canvas, np.array(self.pixel(self.next)), 8.0 * per_mm, NEXT)
         for crossing, landing in {each.crossing: each for each in self.landings}.items():
-            at = self.places[crossing] + (3.0, -3.0)  # beside the crossing, clear of its lines
+            at = self.places[crossing] + (3.0, -3.0)  # next to the crossing, off its lines
             text = f"{landing.off_mm:.1f}"
             x, y = _pixels(picture_from_surface, at[None])[0]
             where = (round(x), round(y))
@@ -165,7 +165,7 @@ class Grid:
 
 @dataclass(frozen=True, slots=True)
 class Finger:
-    """A finger as it is drawn, mm on the surface."""
+    """A finger to draw, mm on the surface."""
 
     x_mm: float
     y_mm: float
@@ -179,20 +179,20 @@ def _spread(length_mm: float) -> Places:
 
 
 def _pixels(picture_from_surface: Places, places: Places) -> Places:
-    """(N, 2) of (N, 2) places."""
+    """Return pixels (N, 2) of places (N, 2)."""
     image = np.column_stack([places, np.ones(len(places))]) @ picture_from_surface.T
     return np.asarray(image[:, :2] / image[:, 2:], dtype=np.float64)
 
 
 def _scale(picture_from_surface: Places, at: Places) -> float:
-    """Pixels a mm around a place."""
+    """Return the pixels per mm around a place."""
     here, right, down = _pixels(picture_from_surface, at + np.array([[0, 0], [1, 0], [0, 1]]))
     (a, b), (c, d) = right - here, down - here
     return float(np.sqrt(abs(a * d - b * c)))
 
 
 def _fine(px: Places) -> tuple[int, int]:
-    """A pixel as OpenCV draws it: its (0, 0) is a pixel's centre, in steps of a sixteenth."""
+    """Return a pixel for OpenCV, whose (0, 0) is the centre of a pixel, in sixteenths."""
     x, y = np.rint((np.clip(px, -9999.0, 9999.0) - 0.5) * (1 << SHIFT)).astype(int)
     return int(x), int(y)
 

@@ -1,4 +1,4 @@
-"""One grid that is touched: what is drawn, told and counted, whoever sees the fingers."""
+"""One verification: draws the grid, prints and counts the touches, from any source of touches."""
 
 from __future__ import annotations
 
@@ -15,33 +15,32 @@ from halo_service.errors import UserError
 
 
 class Verification:
-    """One grid, until all of its crossings have been touched."""
+    """One grid, until all of its crossings are touched."""
 
     def __init__(self, grid: Grid, screen: Screen) -> None:
         self.grid = grid
         self._screen = screen
         self._screen.show(grid.picture([]))
 
-    def take(self, fingers: Sequence[Finger], downs: Sequence[tuple[float, float]]) -> None:
-        """Draw one frame, and count the touches that began in it; mm on the surface."""
+    def update(self, fingers: Sequence[Finger], downs: Sequence[tuple[float, float]]) -> None:
+        """Draw one frame and count the touches that begin in it; mm on the surface."""
         for x_mm, y_mm in downs:
             landing = self.grid.land(x_mm, y_mm)
-            print(self._told(x_mm, y_mm, landing), file=sys.stderr)
+            print(_landing_line(self.grid, x_mm, y_mm, landing), file=sys.stderr)
         self._screen.show(self.grid.picture(fingers))
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing left to touch, or the user has closed the display."""
+        """True when nothing is left to touch, or the user closed the display."""
         closed = isinstance(self._screen, Display) and not self._screen.open
         return closed or self.grid.next is None
 
-    def _told(self, x_mm: float, y_mm: float, landing: Landing | None) -> str:
-        if landing is None:
-            return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is near no crossing"
-        return (
-            f"{self.grid.name(landing.crossing)}: {landing.off_mm:.1f} mm off "
-            f"({landing.dx_mm:+.1f} right, {landing.dy_mm:+.1f} near)"
-        )
+
+def _landing_line(grid: Grid, x_mm: float, y_mm: float, landing: Landing | None) -> str:
+    if landing is None:
+        return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is not near a crossing"
+    right, near = f"{landing.dx_mm:+.1f} right", f"{landing.dy_mm:+.1f} near"
+    return f"{grid.name(landing.crossing)}: {landing.off_mm:.1f} mm off ({right}, {near})"
 
 
 def grid_over(
@@ -51,24 +50,24 @@ def grid_over(
     size_px: tuple[int, int],
     screen: Screen,
 ) -> Grid:
-    """Lay a grid over a surface, for a screen of maybe another size than it was calibrated
-    with (`size_px`); `matrix`: `projector_from_surface`. Raises `UserError` where none fits."""
+    """Make a grid over a surface for a screen, which may differ in size from the calibrated one
+    (`size_px`); `matrix`: `projector_from_surface`. Raises `UserError` if no crossing fits."""
     scale = np.diag([screen.size_px[0] / size_px[0], screen.size_px[1] / size_px[1], 1.0])
     grid = Grid(width_mm, height_mm, scale @ matrix, screen.size_px)
     if len(grid.places) == 0:
         raise UserError(
-            "the projector's picture does not reach the surface: turn or move it until it does, "
-            "and run 'halo calibrate projector' again"
+            "the picture of the projector does not reach the surface: move the projector, then run "
+            "'halo calibrate projector' again"
         )
     return grid
 
 
-def summed_up(grid: Grid, within_mm: float) -> int:
-    """Print the figures; return the exit code: 0 where all crossings were touched and 95 % of the
-    touches lie within the bound."""
+def print_summary(grid: Grid, within_mm: float) -> int:
+    """Print the figures; return the exit code: 0 if all crossings were touched and 95 % of the
+    touches are within the bound."""
     summary = grid.summary()
     if summary is None:
-        print("no crossing was touched")
+        print("failed: no crossing was touched")
         return 1
     print(
         f"{summary.touches} touches of {summary.crossings} of {len(grid.places)} crossings: median "
@@ -76,5 +75,6 @@ def summed_up(grid: Grid, within_mm: float) -> int:
         f"{summary.worst_mm:.1f} mm at {grid.name(summary.worst)}"
     )
     good = summary.p95_mm <= within_mm and summary.crossings == len(grid.places)
-    print(f"{'good' if good else 'falls short'}: 95 % within {within_mm:g} mm are wanted, of all")
+    result = "passed" if good else "failed"
+    print(f"{result}: touch all crossings, 95 % within {within_mm:g} mm")
     return int(not good)

@@ -1,26 +1,24 @@
-"""`halo verify`: a grid on the table, a dot under each finger, and how far beside its crossings
-one touches.
+"""`halo verify`: a grid on the table, a dot under each finger, and the error of each touch.
 
-Rule: fingers come from the running service or from a loop of its own; what is drawn, told and
-counted is the same.
+Rule: touches come from a running service or from a live loop here; drawing and counting are the
+same.
 """
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field, replace
-from types import FrameType
 
 from halo_calibration.guided.guide import Prompt
 from halo_calibration.guided.projector import Screen
 from halo_service.app.hand_detector import HandDetector
+from halo_service.app.process import stop_on_signals
 from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.app.sources import decide, open_source
 from halo_service.app.verification.crossings import Finger, Grid
-from halo_service.app.verification.remote import heard
-from halo_service.app.verification.session import Verification, grid_over, summed_up
+from halo_service.app.verification.remote import grid_from_service
+from halo_service.app.verification.session import Verification, grid_over, print_summary
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
@@ -36,10 +34,9 @@ from halo_service.sources import Source
 from halo_service.values import Touch, TouchFrame
 
 WITHIN_MM = 5.0
-"""Nearly all touches (95 %) lie so near to their crossing, or the exit code is 1: the paper's
-touches err by 5.5 mm on average (6.2)."""
+"""Bound for 95 % of the touches: in the paper they are off by 5.5 mm on average (6.2)."""
 VIRTUAL_PATIENCE_S = 12.0
-"""A crossing that the virtual user touches for so long without being felt is given up."""
+"""The virtual user goes on to the next crossing after this time without a touch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,27 +45,27 @@ class VerifyRequest:
 
     screen: ScreenRequest = field(default_factory=ScreenRequest)
     service: str | None = None
-    """Where a running service is heard, e.g. `osc://127.0.0.1:4256`; None: sense here."""
+    """Address of a running service, e.g. `osc://127.0.0.1:4256`; None: sense here."""
     within_mm: float = WITHIN_MM
 
 
 def verify(settings: Settings, request: VerifyRequest) -> int:
     """Verify until all crossings are touched, the display is closed or Ctrl-C; return the exit
-    code: 0 where all were touched and 95 % of the touches lie within the bound."""
+    code: 0 if all were touched and 95 % of the touches are within the bound."""
     if request.service is not None:
-        grid = heard(request.service, request.screen)
+        grid = grid_from_service(request.service, request.screen)
     elif not settings.profile:
-        raise UserError("verify: name a profile whose projector is calibrated: --profile desk")
+        raise UserError("verify: name a profile with a calibrated projector: --profile desk")
     else:
-        grid = _sensed(settings, request)
-    return summed_up(grid, request.within_mm)
+        grid = _grid_from_source(settings, request)
+    return print_summary(grid, request.within_mm)
 
 
-def _sensed(settings: Settings, request: VerifyRequest) -> Grid:
-    """Sense here."""
+def _grid_from_source(settings: Settings, request: VerifyRequest) -> Grid:
+    """Sense here, until the grid is done."""
     profile = load(profile_path(settings.profile))
     with ExitStack() as stack:
-        source, reopen = _opened(settings)
+        source, reopen = _open_source(settings)
         stack.callback(source.close)
         require_fit(profile, source.camera)
         screen = stack.enter_context(screen_for(source, request.screen))
@@ -76,42 +73,42 @@ def _sensed(settings: Settings, request: VerifyRequest) -> Grid:
         state = start(profile, settings.sensing)
         if isinstance(source, VirtualUser):
             with suppress(KeyboardInterrupt):
-                _follow(source, verification, state, settings)
+                _follow_virtual_user(source, verification, state, settings)
             return verification.grid
         tracker = TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
         stack.callback(tracker.close)
-        teller = _Teller(verification)
-        loop = LiveLoop(source, reopen, tracker, state, teller)
-        teller.loop = loop
-        _stop_on_signals(loop)
+        publisher = _VerificationPublisher(verification)
+        loop = LiveLoop(source, reopen, tracker, state, publisher)
+        publisher.loop = loop
+        stop_on_signals(loop.stop)
         loop.run()
     return verification.grid
 
 
-def _follow(
+def _follow_virtual_user(
     user: VirtualUser, verification: Verification, state: State, settings: Settings
 ) -> None:
-    """Let the virtual user touch one crossing after the other; time is their own."""
-    grid, asked, since_us = verification.grid, None, 0
+    """Let the virtual user touch one crossing after another, as fast as frames are rendered."""
+    grid, target, since_us = verification.grid, None, 0
     with closing(
         HandDetector(user.camera, state.profile, replace(settings.tracking, max_hands=1))
-    ) as eyes:
-        for told in replay(user, eyes.look, OURS, state):
-            _take(verification, told)
-            late = told.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
-            if late and asked is not None and grid.next == asked:
-                grid.given_up.add(asked)
+    ) as detector:
+        for touch_frame in replay(user, detector.look, OURS, state):
+            _update(verification, touch_frame)
+            late = touch_frame.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
+            if late and target is not None and grid.next == target:
+                grid.given_up.add(target)
             if grid.next is None:
                 return
-            if grid.next != asked:
-                asked, since_us = grid.next, told.time_us
-                user.obey(Prompt("cross", "Touch the ringed crossing.", at_px=grid.pixel(asked)))
+            if grid.next != target:
+                target, since_us = grid.next, touch_frame.time_us
+                user.follow(Prompt("cross", "Touch the ringed crossing.", at_px=grid.pixel(target)))
 
 
 def _grid_of(profile: Profile, screen: Screen) -> Grid:
     if profile.projector is None:
         raise UserError(
-            f"the profile '{profile.name}' knows no projector: run 'halo calibrate projector'"
+            f"verify: the profile '{profile.name}' has no projector: run 'halo calibrate projector'"
         )
     projector, surface = profile.projector, profile.surface
     size_px = projector.width_px, projector.height_px
@@ -119,35 +116,35 @@ def _grid_of(profile: Profile, screen: Screen) -> Grid:
     return grid_over(surface.width_mm, surface.height_mm, matrix, size_px, screen)
 
 
-class _Teller:
-    """A `Publisher` that tells a verification alone, and ends the loop with it."""
+class _VerificationPublisher:
+    """A `Publisher` for one verification; it stops the loop when that is done."""
 
     def __init__(self, verification: Verification) -> None:
         self._verification = verification
         self.loop: LiveLoop | None = None
-        """Stopped at the end; it is made after its publisher."""
+        """Set after the loop is made, which needs its publisher first."""
 
-    def frame(self, told: TouchFrame) -> None:
-        """Take one frame."""
-        _take(self._verification, told)
+    def frame(self, touch_frame: TouchFrame) -> None:
+        """Count the touches of one frame."""
+        _update(self._verification, touch_frame)
         if self._verification.done:
-            assert self.loop is not None  # it is what calls us
+            assert self.loop is not None  # the loop calls us
             self.loop.stop()
 
     def scene(self, state: State) -> None:
-        """Nobody joins late."""
+        """Do nothing: there are no clients."""
 
-    def health(self, vitals: Health) -> None:
-        """Nobody asks."""
-
-
-def _take(verification: Verification, told: TouchFrame) -> None:
-    fingers = [Finger(p.x_mm, p.y_mm, p.state is Touch.TOUCH) for p in told.pointers]
-    downs = [(event.x_mm, event.y_mm) for event in told.events if event.kind == "down"]
-    verification.take(fingers, downs)
+    def health(self, health: Health) -> None:
+        """Do nothing: there are no clients."""
 
 
-def _opened(settings: Settings) -> tuple[Source, Callable[[], Source]]:
+def _update(verification: Verification, touch_frame: TouchFrame) -> None:
+    fingers = [Finger(p.x_mm, p.y_mm, p.state is Touch.TOUCH) for p in touch_frame.pointers]
+    downs = [(event.x_mm, event.y_mm) for event in touch_frame.events if event.kind == "down"]
+    verification.update(fingers, downs)
+
+
+def _open_source(settings: Settings) -> tuple[Source, Callable[[], Source]]:
     name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.sim_url import parse_sim_url
@@ -155,11 +152,3 @@ def _opened(settings: Settings) -> tuple[Source, Callable[[], Source]]:
         user = VirtualUser(parse_sim_url(name).room)
         return user, lambda: user
     return open_source(replace(settings.source, name=name))
-
-
-def _stop_on_signals(loop: LiveLoop) -> None:
-    def stop(number: int, where: FrameType | None) -> None:
-        loop.stop()
-
-    signal.signal(signal.SIGINT, stop)
-    signal.signal(signal.SIGTERM, stop)

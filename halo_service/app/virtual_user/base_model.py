@@ -1,7 +1,7 @@
-"""Makes the virtual sensor's base model: `python -m halo_service.app.virtual_user.base_model`.
+"""Makes the base model of the virtual camera: `python -m halo_service.app.virtual_user.base_model`.
 
-Three virtual pilots on three tables sweep at five angles, at ten frames a second; what the
-calibration's own steps make of it is kept as text beside them. It takes some minutes.
+Three virtual users on three tables sweep at five finger angles, at ten frames a second. The steps
+of the calibration turn these frames into the samples of the model. It takes some minutes.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from halo_service.virtual.camera import FPS, SERIAL
 from halo_service.virtual.sim_url import parse_sim_url
 
 PILOTS = ("sim?seed=901&material=paper", "sim?seed=902&material=wood", "sim?seed=903&material=foam")
-"""Seeds that no test, scenario or bench uses."""
+"""Seeds that no test, scenario or benchmark uses."""
 TENTH_S = 0.1
-"""Between two frames that are looked at: neighbours in time teach the same."""
+"""Time between two frames that are used: neighbours in time are too similar."""
 SETTLE_S = 2.0
 
 
 def main() -> int:
-    """Make it anew; the same on every run."""
+    """Make the model; the same on every run."""
     settings = Settings()
     pilots = [_pilot(name, settings) for name in PILOTS]
     base = merged("virtual", SERIAL, pilots)
@@ -44,11 +44,11 @@ def _pilot(name: str, settings: Settings) -> Samples:
     user = VirtualUser(room)
     rounds: list[tuple[float, Samples]] = []
     with ExitStack() as stack:
-        eyes = HandDetector(user.camera, profile, settings.tracking)
-        stack.callback(eyes.close)
+        detector = HandDetector(user.camera, profile, settings.tracking)
+        stack.callback(detector.close)
         for angle in ANGLES_DEG:
-            observer = Observer(profile, eyes.look, settings.sensing)
-            user.obey(Prompt("pilot", "", angle))
+            observer = Observer(profile, detector.look, settings.sensing)
+            user.follow(Prompt("pilot", "", angle))
             user.skip(SETTLE_S)
             seen = []
             for _ in range(round(SWEEP_S / TENTH_S)):

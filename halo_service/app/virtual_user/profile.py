@@ -1,8 +1,8 @@
-"""The virtual Kinect's own small profile, so that it runs before any calibration exists.
+"""A small profile for the virtual camera, so that it works before any calibration.
 
-It is measured as a user would do it, by the calibration's own steps: the empty room, then a finger
-held in the four states, seen by the same tracker and the same stages as later. The finger's true
-place is not looked at. Only a live virtual source gets one; a recording never does.
+The steps of the calibration measure it as for a person: first the empty table, then a finger held
+in the four states, with the same tracker and stages as later. The true position of the finger is
+not used. Only a live virtual source gets such a profile; a recording does not.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from halo_service.virtual.room import Room
 
 BACKGROUND_S = 2.0
 SETTLE_S = 1.5
-"""The virtual user has taken a state by then."""
+"""Time for the virtual user to reach a state."""
 HELD_S = 0.5
-"""A quarter of a user's time: the virtual finger holds still."""
+"""A quarter of the time for a person: the virtual finger does not move."""
 DATE = "1970-01-01T00:00:00Z"
-"""It is made anew at every start, so it has no date."""
+"""It is measured at every start, so it has no date."""
 
 
 def virtual_profile(room: Room, settings: Settings) -> Profile:
-    """Calibrate on the virtual room; without a sweep, for fitting one costs seconds at the start.
+    """Calibrate on the virtual table; without a sweep, because its fit takes seconds at the start.
 
-    Raises `UserError` when its states cannot be told apart.
+    Raises `UserError` if the states cannot be separated.
     """
     user = VirtualUser(room)
     session = Session(user)
     setup = Setup("virtual", user.camera, DATE, settings.sensing, STATE_VALUES)
     try:
         with ExitStack() as stack:
-            eyes = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
-            stack.callback(eyes.close)
+            detector = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
+            stack.callback(detector.close)
             empty = list(session.lasting(BACKGROUND_S, "background"))
-            profile = steps.background_change(setup, empty, eyes.look)(None)
-            observer = Observer(profile, eyes.look, settings.sensing)
+            profile = steps.background_change(setup, empty, detector.look)(None)
+            observer = Observer(profile, detector.look, settings.sensing)
             holds = {state: _held(state, user, session, observer) for state in STATES}
             return steps.touch_change(setup, holds)(profile)
     except Refused as refused:
@@ -58,11 +58,11 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
 
 
 def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> HoldObservations:
-    user.obey(PROMPTS[state])
+    user.follow(PROMPTS[state])
     user.skip(SETTLE_S)
     frames = session.lasting(HELD_S, state)
-    return steps.watch_hold(state, frames, session.wanted(HELD_S), observer, _nobody)
+    return steps.watch_hold(state, frames, session.wanted(HELD_S), observer, _no_progress)
 
 
-def _nobody(seen: Observation | None) -> None:
-    """Nobody watches."""
+def _no_progress(seen: Observation | None) -> None:
+    """Do nothing: nothing is displayed."""

@@ -1,7 +1,7 @@
-"""The person at the virtual table: a source whose finger does what the calibration says.
+"""The virtual user: a source whose finger follows the prompts of the calibration.
 
-Without it nobody would follow the prompts where there is no camera. It is moved by the same cues
-that a person reads; frames come as fast as they can be drawn, and time is their own.
+It makes a calibration possible without a camera. It follows the same prompts that a person reads.
+Frames come as fast as they can be rendered; their time stamps are simulated.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from halo_service.virtual.timeline import TimelineReader
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 TOUCH_G, PRESSURE_G = 25.0, 200.0
-"""What this person's spacers and kitchen scale say (the heights are the paper's, 4.3.5)."""
+"""Heights of the spacers and forces on the scale (the heights are the paper's, 4.3.5)."""
 STATE_VALUES = StateValues(HOVER_MM, SUBTLE_MM, TOUCH_G, PRESSURE_G)
 STATES = {
     "hover": (HOVER_MM, 0.0),
@@ -40,36 +40,36 @@ STATES = {
     "pressure": (0.0, PRESSURE_G),
 }
 MOVE_S = 0.8
-"""From one state to the next: well within the count-down."""
+"""Time from one state to the next: less than the count-down."""
 WAIT_S = 0.1
-"""How often this person looks whether there is something new to do."""
+"""Time between two looks for a new prompt."""
 EDGE_MM = 20.0
-"""How near to the edges the sweep goes."""
+"""Distance of the sweep from the edges."""
 ROWS = 6
 ROW_S = 2.8
-"""Rows of a sweep, and how long each takes: somewhat less than the whole sweep, then back."""
+"""Rows of a sweep, and the time for each: together a little less than the whole sweep."""
 TURN_DEG = 25.0
-"""How far the finger is turned to both sides meanwhile."""
+"""How far the finger turns to both sides during the sweep."""
 REST_S = 0.7
-"""How long it rests where it is asked to touch."""
+"""Time that the finger rests on a mark."""
 AIM_MM = 0.5
-"""How far beside the mark this person comes down, one sigma each way; chosen: a pen's point is set
-to 0.5 mm, and a finger hides the mark."""
+"""Error of the touches on a mark, one sigma in x and y; chosen: a pen reaches 0.5 mm, and a finger
+hides the mark."""
 AREA = ((22.0, 14.0), (276.0, 24.0), (270.3, 173.9), (16.3, 163.9))
-"""The corners of what this person takes for their area, far left first: 254 x 150 mm, a little
-turned; on the room's surface, mm."""
+"""The corners of the area that the user touches, far left first: 254 x 150 mm, slightly rotated; mm
+on the surface."""
 SHEET_AT = (155.0, 96.0, 3.0)
-"""Where they lay the surface sheet: its middle in mm, and its turn in degrees."""
+"""Position of the surface sheet: its middle in mm, and its rotation in degrees."""
 MARKER_AT = (215.0, 60.0, -24.0)
-"""Likewise an anchor's marker."""
+"""The same for the marker of an anchor."""
 DOTS_PER_MM = 8
-"""Of their printer: 203 dots an inch."""
+"""Resolution of the printed sheets: 203 dots per inch."""
 EMPTY_HANDED = ("background", "sheet", "marker", "board")
-"""Cues at which hands have nothing to do."""
+"""Prompts that need no hand."""
 
 
 class VirtualUser:
-    """A `Source`: the virtual sensor over a person who follows cues."""
+    """A `Source`: the virtual camera above a user who follows prompts."""
 
     kind: Final[SourceKind] = "virtual"
 
@@ -81,26 +81,26 @@ class VirtualUser:
         rng = np.random.default_rng([room.seed, 5])
         self._performer = Timeline(rng, away(room, room.dominant), room.dominant)
         self._track = TimelineReader(self._live(), rng, room.seat_deg)
-        self._cue: Prompt | None = None
+        self._prompt: Prompt | None = None
         self._index = 0
 
-    def obey(self, cue: Prompt) -> None:
-        """Do what a cue says, from the next moment on."""
-        self._cue = cue
-        if cue.name in EMPTY_HANDED:  # what they laid stays while they touch
-            self._furnish(sheets=() if cue.board is None else (_laid(cue.board),))
+    def follow(self, prompt: Prompt) -> None:
+        """Follow a prompt, from the next frame on."""
+        self._prompt = prompt
+        if prompt.name in EMPTY_HANDED:  # a sheet stays on the table during touches
+            self._furnish(sheets=() if prompt.board is None else (_on_table(prompt.board),))
 
     def expose(self, exposure_ms: float | None) -> None:
-        """Let the colour camera expose for so long; None: as the light in the room asks for."""
+        """Set the exposure of the colour camera; None: automatic."""
         self._furnish(exposure_ms=exposure_ms)
 
     @property
     def projector_px(self) -> tuple[int, int]:
-        """Width and height of the projector's picture."""
+        """Width and height of the picture of the projector."""
         return self._room.projector.width_px, self._room.projector.height_px
 
     def project(self, picture: NDArray[np.uint8]) -> None:
-        """Let the projector in this room show a (height, width, 3) BGR picture."""
+        """Show a (height, width, 3) BGR picture with the virtual projector."""
         self._sensor.show(picture)
 
     def _furnish(self, **changes: object) -> None:
@@ -112,7 +112,7 @@ class VirtualUser:
     def skip(self, seconds: float) -> None:
         """Let time pass without a frame."""
         until = self._index + round(seconds * FPS)
-        while self._index < until:  # step by step: a cue is heard when the one before is done
+        while self._index < until:  # step by step: a prompt is read when the one before is done
             self._track.at(self._index / FPS)
             self._index += 1
 
@@ -127,10 +127,10 @@ class VirtualUser:
         return self._sensor.frame(round(t_s * 1e6), self._hands(aim), things)
 
     def close(self) -> None:
-        """There is nothing to let go."""
+        """Do nothing: there is nothing to close."""
 
     def _hands(self, aim: FingerPose) -> list[PosedHand]:
-        """The hand, where it is in view: what nobody sees need not be drawn."""
+        """Return the hand if it is in view; one outside need not be rendered."""
         user, side = self._room.user, self._room.dominant
         if is_away(self._room, aim):
             return []
@@ -138,22 +138,22 @@ class VirtualUser:
 
     def _live(self) -> Iterator[Segment]:
         while True:
-            cue, self._cue = self._cue, None
-            if cue is None:
+            prompt, self._prompt = self._prompt, None
+            if prompt is None:
                 yield from self._stay()
-            elif cue.name in EMPTY_HANDED:
+            elif prompt.name in EMPTY_HANDED:
                 yield from self._go(away(self._room, self._room.dominant))
-            elif cue.name == "corner":
-                yield from self._touch(*AREA[cue.number])
-            elif cue.name == "cross":
-                yield from self._touch(*self._under(cue.at_px))
-            elif cue.name in STATES:
-                yield from self._hold(*STATES[cue.name])
+            elif prompt.name == "corner":
+                yield from self._touch(*AREA[prompt.number])
+            elif prompt.name == "cross":
+                yield from self._touch(*self._under(prompt.at_px))
+            elif prompt.name in STATES:
+                yield from self._hold(*STATES[prompt.name])
             else:
-                yield from self._sweep(cue.pitch_deg)
+                yield from self._sweep(prompt.pitch_deg)
 
     def _stay(self) -> Iterator[Segment]:
-        """Keep doing the same for a moment: a pressed finger stays pressed."""
+        """Continue for a moment: a pressed finger stays pressed."""
         force_g, here = self._performer.pose.force_g, self._performer.pose
         if force_g > 0.0:
             yield from self._performer.press(WAIT_S, lambda _: force_g)
@@ -179,18 +179,18 @@ class VirtualUser:
         p.pose = FingerPose(WIDTH_MM / 2.0, HEIGHT_MM / 2.0, 0.0, force_g, 45.0, 0.0)
 
     def _under(self, px: tuple[float, float]) -> tuple[float, float]:
-        """Where on the table the projector's pixel is seen."""
+        """Return where a pixel of the projector is on the table, mm."""
         back = np.linalg.inv(self._room.projector.projector_from_surface())
         x, y, w = back @ (*px, 1.0)
         return float(x / w), float(y / w)
 
     def _touch(self, x_mm: float, y_mm: float) -> Iterator[Segment]:
-        """Touch a mark again and again, until there is something else to do."""
+        """Touch a mark again and again, until the next prompt."""
         p = self._performer
         p.tool = None
         lift = {"height_mm": 40.0, "pitch_deg": 45.0, "yaw_deg": 0.0}
         yield from p.reach(MOVE_S, 20.0, x_mm=x_mm, y_mm=y_mm, **lift)
-        while self._cue is None:
+        while self._prompt is None:
             dx, dy = p.rng.normal(0.0, AIM_MM, 2)
             yield from p.reach(0.3, x_mm=x_mm + dx, y_mm=y_mm + dy, height_mm=12.0)
             yield from p.strike(0.1)
@@ -213,7 +213,7 @@ class VirtualUser:
     def _stroke(
         self, x_mm: tuple[float, float], y_mm: float, pitch_deg: float, phase: float
     ) -> Iterator[Segment]:
-        """Draw the finger along one row and on to the next."""
+        """Move the finger along one row and to the next."""
         step = (HEIGHT_MM - 2.0 * EDGE_MM) / (ROWS - 1)
         slack = self._performer.rng.uniform(-1.5, 1.5)
 
@@ -228,11 +228,11 @@ class VirtualUser:
         yield from self._performer.press(ROW_S, lambda _: TOUCH_G, slide)
 
 
-def _laid(board: Printed) -> Flat:
-    """Print a board, and lay it where this person likes it."""
+def _on_table(board: Printed) -> Flat:
+    """Print a board, and put it on the table."""
     half = board.size_mm / 2.0
     middles = np.array(list(board.middles_mm.values()))
-    edge = 2.0 * board.size_mm / board.family.modules  # the white around a marker belongs to it
+    edge = 2.0 * board.size_mm / board.family.modules  # a marker includes the white around it
     corner = middles.min(axis=0) - half - edge
     width_mm, height_mm = middles.max(axis=0) + half + edge - corner
     sheet = np.full((round(height_mm * DOTS_PER_MM), round(width_mm * DOTS_PER_MM)), 255, np.uint8)

@@ -36,12 +36,12 @@ def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
     recording = folder / "place.mkv"
     with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
         film = Film(room, recorder)
-        film.user.obey(PROMPTS["background"])
+        film.user.follow(PROMPTS["background"])
         film.step("background", 60)
-        film.user.obey(Prompt("sheet", "", board=SHEET))
+        film.user.follow(Prompt("sheet", "", board=SHEET))
         film.step("surface", FRAMES, by="markers", width_mm=280.0)
         film.board(FRAMES)
-        film.user.obey(Prompt("marker", "", board=ANCHOR))
+        film.user.follow(Prompt("marker", "", board=ANCHOR))
         (number,) = ANCHOR.middles_mm
         film.step("anchor", FRAMES, marker=number)
     script = film.written(folder)

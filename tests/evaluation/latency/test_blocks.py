@@ -151,6 +151,7 @@ def test_a_recording_is_measured_with_its_profile_into_json(
     recording: LatencyRecording,
     profile: Profile,
     tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with Recorder(tmp_path / "x.mkv", recording.camera, fps=30, colour=True) as recorder:
@@ -159,6 +160,7 @@ def test_a_recording_is_measured_with_its_profile_into_json(
     save(profile, tmp_path / "desk")
     options = ("--hands", "1", "--seconds", "9", "--profile", str(tmp_path / "desk"))
     files = ("--source", f"recording:{tmp_path / 'x.mkv'}", "--json", str(tmp_path / "x.json"))
+    monkeypatch.setattr("halo_service.app.benchmarking.bench.ROUNDS", 1)
     assert main(["bench", *options, *files]) == 0
     report = json.loads((tmp_path / "x.json").read_text())
     assert set(report) == {"halo_bench", "protocol", "machine", "cases"}
@@ -166,7 +168,7 @@ def test_a_recording_is_measured_with_its_profile_into_json(
     assert (case["hands"], case["contacts"]) == (1, None)  # a recording's truth is unknown
     for name in ("ours", "sequential"):
         figures = case[name]
-        assert figures["frames"] + figures["dropped"] == 2 * len(recording.frames)
+        assert figures["frames"] + figures["dropped"] == len(recording.frames)
         assert figures["received"] == figures["frames"]
         assert list(figures["stages"]) == STAGES[name]
     assert [goal["name"] for goal in case["goals"]] == [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 
 from halo_service.evaluation.study.cache import RecordingCache
@@ -18,8 +19,10 @@ from halo_service.virtual.scenarios.calibration import BACKGROUND_S
 from halo_service.virtual.sim_url import parse_sim_url
 
 USER = User(205, "paper")
-SHORT = Task("short", "demo", 0.5, ends=False)
+SHORT = Task("short", "demo", 0.2, ends=False)
 LONG = Task("long", "demo", 60.0, ends=False)
+ENOUGH = 50
+"""Frames of the empty table: the calibration needs 45."""
 STATES = ("hover", "subtle", "touch", "pressure")
 SCRIPT: tuple[Line, ...] = (
     {"step": "background", "from_s": 0.0, "to_s": BACKGROUND_S},
@@ -39,7 +42,8 @@ def store_empty_table(folder: Path) -> None:
     empty = Take(
         parse_sim_url(f"sim:idle?seed={USER.seed}&material=paper"), BACKGROUND_S, colour=False
     )
-    frames = [store_whole(frame, Tracked(0, ())) for frame, _ in empty if frame is not None]
+    first = islice((frame for frame, _ in empty if frame is not None), ENOUGH)
+    frames = [store_whole(frame, Tracked(0, ())) for frame in first]
     cache = cache_in(folder)
     recording = StoredRecording(tuple(frames), (), SCRIPT)
     save(cache.path(USER, CALIBRATION), recording, cache.key(USER, CALIBRATION))

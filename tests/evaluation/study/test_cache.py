@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,28 +18,52 @@ from halo_service.evaluation.study.plan import CALIBRATION, Task
 from halo_service.evaluation.study.recording import StoredRecording, load, save
 from tests.evaluation.study.empty_table import LONG, SHORT, USER
 
+FRAMES = round(30 * SHORT.seconds)
 
-def test_a_cached_recording_is_not_simulated_again_but_another_is(
-    cache: RecordingCache,
-) -> None:
+
+def test_a_cached_recording_is_not_simulated_again(cache: RecordingCache) -> None:
     cache.ensure(USER, SHORT)
     first = cache.path(USER, SHORT).stat().st_mtime_ns
-    assert len(load(cache.path(USER, SHORT)).frames) == 15
+    assert len(load(cache.path(USER, SHORT)).frames) == FRAMES
     cache.ensure(USER, SHORT)
     assert cache.path(USER, SHORT).stat().st_mtime_ns == first
-    replace(cache, tracker="another").ensure(USER, SHORT)
-    assert cache.path(USER, SHORT).stat().st_mtime_ns > first
 
 
-@pytest.mark.parametrize("harm", ["cut", "empty", "text"])
-def test_a_damaged_recording_is_simulated_again(cache: RecordingCache, harm: str) -> None:
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "cut": lambda whole: whole[: len(whole) // 2],
+    "empty": lambda whole: b"",
+    "text": lambda whole: b"no recording",
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_recording_counts_as_absent(
+    cache: RecordingCache, damage: str, tmp_path: Path
+) -> None:
+    cache.ensure(USER, SHORT)
+    whole = cache.path(USER, SHORT).read_bytes()
+    copy = replace(cache, folder=tmp_path)
+    copy.path(USER, SHORT).parent.mkdir()
+    copy.path(USER, SHORT).write_bytes(whole)
+    assert copy.has(USER, SHORT)
+    copy.path(USER, SHORT).write_bytes(DAMAGE[damage](whole))
+    assert not copy.has(USER, SHORT)
+
+
+def test_a_damaged_recording_is_simulated_again(cache: RecordingCache) -> None:
     cache.ensure(USER, SHORT)
     path = cache.path(USER, SHORT)
     whole = path.read_bytes()
-    path.write_bytes({"cut": whole[: len(whole) // 2], "empty": b"", "text": b"no recording"}[harm])
-    assert not cache.has(USER, SHORT)
+    path.write_bytes(whole[: len(whole) // 2])
     cache.ensure(USER, SHORT)
     assert path.read_bytes() == whole
+
+
+def test_another_tracker_makes_another_recording(cache: RecordingCache) -> None:
+    cache.ensure(USER, SHORT)
+    first = cache.path(USER, SHORT).stat().st_mtime_ns
+    replace(cache, tracker="another").ensure(USER, SHORT)
+    assert cache.path(USER, SHORT).stat().st_mtime_ns > first
 
 
 def test_a_recording_ends_half_a_second_after_its_last_touch(cache: RecordingCache) -> None:

@@ -1,7 +1,7 @@
-"""Which sighting is which finger.
+"""Assign detections to tracks.
 
-The tracker sees a hand twice, mistakes a left one for a right one, or one finger for another: none
-of that may cost a finger its id, or give one finger two.
+The hand tracker sees a hand twice, confuses left and right, or one finger with another. A finger
+must keep its id all the same, and must not get two.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from halo_service.values import Side
 SLOTS = 10
 """Two hands' fingers."""
 SAME_FINGER_PX, OTHER_SIDE_PX = 80.0, 30.0
-"""A sighting farther than this from a finger's tip is another finger (8 cm at 0.5 m); less where
-the tracker calls it another hand's: hands flip in place."""
+"""A detection farther than this from a track's tip is another finger (8 cm at 0.5 m); less if it
+has the other side, because sides flip in place."""
 ON_FINGER_PX = 10.0
-"""A stranger's tip this near to a finger's line is that finger again (chosen: half a finger)."""
+"""A new tip this near to a finger's line is that finger again (chosen: half a finger)."""
 STRAYED_PX = 30.0
-"""The tracker's tips are 4 px off at the median and 28 at their worst: within that the depth's
-word counts (measured on virtual hands at 0.5 m)."""
+"""The tracker's tips are 4 px off at the median and 28 at worst: within that the depth image
+decides (measured on virtual hands at 0.5 m)."""
 TURN_SHARE = 0.3
 """Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
 MOST_VOTES = 8
-"""A quarter of a second of the tracker's opinions on left and right."""
+"""Left or right is decided by the detections of a quarter of a second."""
 REPLACED_US = 200_000
-"""The tracker errs in single frames and in runs of a few (chosen: six frames)."""
+"""Tracker errors last single frames or a few in a row (chosen: six frames)."""
 
 
 def associate(
-    live: tuple[Track, ...], seen: tuple[Detection, ...], next_id: int
+    tracks: tuple[Track, ...], detections: tuple[Detection, ...], next_id: int
 ) -> tuple[Track, ...]:
-    """Give the live fingers their new sightings, nearest first, and take up the newcomers."""
+    """Assign new detections to tracks, nearest first, and start tracks for the rest."""
     distances = sorted(
         (distance, i, j)
-        for i, finger in enumerate(live)
-        for j, detection in enumerate(seen)
+        for i, finger in enumerate(tracks)
+        for j, detection in enumerate(detections)
         if finger.detection.finger is detection.finger
         and (distance := _distance(finger, detection)) < _reach(finger, detection)
     )
@@ -50,28 +50,26 @@ def associate(
     for _, i, j in distances:
         if i not in paired and j not in paired.values():
             paired[i] = j
-    others = [detection for j, detection in enumerate(seen) if j not in paired.values()]
-    known = tuple(
-        _corrected_by(finger, seen[paired[i]]) if i in paired else finger
-        for i, finger in enumerate(live)
-        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, live))
+    others = [detection for j, detection in enumerate(detections) if j not in paired.values()]
+    kept = tuple(
+        _corrected_by(finger, detections[paired[i]]) if i in paired else finger
+        for i, finger in enumerate(tracks)
+        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, tracks))
     )
-    strangers = [
-        each for each in others if not any(_is_on(finger, each.tip_px) for finger in known)
-    ]
-    taken = {finger.slot for finger in known}
+    new = [each for each in others if not any(_is_on(finger, each.tip_px) for finger in kept)]
+    taken = {finger.slot for finger in kept}
     slots = (slot for slot in range(SLOTS) if slot not in taken)
-    newcomers = zip(count(next_id), slots, strangers, strict=False)
-    return known + tuple(_born(*newcomer) for newcomer in newcomers)
+    started = zip(count(next_id), slots, new, strict=False)
+    return kept + tuple(_started(*each) for each in started)
 
 
-def _born(id: int, slot: int, detection: Detection) -> Track:  # noqa: A002 - the wire's name
+def _started(id: int, slot: int, detection: Detection) -> Track:  # noqa: A002 - the wire's name
     direction = unit(detection.distal_px, detection.tip_px)
     return Track(id, slot, detection, direction, _vote(detection.side), detection.time_us)
 
 
 def _corrected_by(finger: Track, detection: Detection) -> Track:
-    """Return a finger with the tracker's new word on it; a word said before counts once."""
+    """Return a track with a new detection; one that was seen before counts once."""
     if detection.time_us <= finger.detection.time_us:
         return finger
     votes = min(max(finger.votes + _vote(detection.side), -MOST_VOTES), MOST_VOTES)
@@ -100,10 +98,10 @@ def _reach(finger: Track, detection: Detection) -> float:
     return SAME_FINGER_PX if detection.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_PX
 
 
-def _is_replaced(finger: Track, others: Sequence[Detection], seen: bool) -> bool:
-    """Say whether the tracker has long seen this very finger elsewhere: a hand has but one."""
+def _is_replaced(finger: Track, others: Sequence[Detection], detected: bool) -> bool:
+    """Return whether this finger was detected elsewhere for long: a hand has only one of it."""
     return (
-        not seen
+        not detected
         and not finger.debounce.contact.touching
         and any(
             other.finger is finger.detection.finger
@@ -114,21 +112,21 @@ def _is_replaced(finger: Track, others: Sequence[Detection], seen: bool) -> bool
     )
 
 
-def _is_double(finger: Track, live: Sequence[Track]) -> bool:
-    """Say whether a hovering finger lies on another that the tracker confirms better."""
+def _is_double(finger: Track, tracks: Sequence[Track]) -> bool:
+    """Return whether a hovering finger is on another one that is confirmed better."""
     if finger.debounce.contact.touching or not finger.path:
         return False
     mine = (-finger.contradicted, finger.detection.time_us, -finger.id)
     return any(
         (-other.contradicted, other.detection.time_us, -other.id) > mine
         and _is_on(other, finger.path[-1].tip_px)
-        for other in live
+        for other in tracks
         if other is not finger and other.path
     )
 
 
 def _is_on(finger: Track, place: Pixel) -> bool:
-    """Say whether a tip lies on a finger that is there already."""
+    """Return whether a tip is on a finger that has a track."""
     tip = finger.path[-1].tip_px if finger.path else finger.detection.tip_px
     ux, uy = finger.direction
     dx, dy = tip[0] - place[0], tip[1] - place[1]

@@ -15,11 +15,11 @@ Part = tuple[slice, slice]
 """Rows and columns of an image."""
 WHOLE: Part = (slice(None), slice(None))
 DRIFT_GRID: Part = (slice(None, None, 16), slice(None, None, 16))
-"""Every sixteenth pixel in both directions tells the drift to 0.1 mm, before it is smoothed."""
+"""Every sixteenth pixel in both directions gives the drift to 0.1 mm, before smoothing."""
 DRIFT_REACH_MM = 15.0
-"""What reads farther off than this is hand, halo or a thing on the table, and tells no drift."""
+"""What differs by more is hand, halo or an object on the table, and is not used for the drift."""
 DRIFT_TIME_S = 10.0
-"""Time constant of the drift: slow against any hand, quick against a device that warms up."""
+"""Time constant of the drift: slower than any hand, faster than a device that warms up."""
 
 
 def excess_depth(
@@ -28,8 +28,8 @@ def excess_depth(
     """Return (h, w) float32, mm: positive where it reads farther than the surface, negative nearer.
 
     0 where either measured nothing: a pixel without depth is neither hand nor halo.
-    `drift_mm`: how much farther the whole device reads than when the background was taken;
-    `part`: of the image, all of which costs more than all the fingers in it.
+    `drift_mm`: how much farther the whole device reads than when the background was captured;
+    `part`: of the image, because the whole image costs more than all the fingers in it.
     """
     seen = depth[part]
     excess = seen - background.mean_mm[part]
@@ -40,18 +40,18 @@ def excess_depth(
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """How much farther the whole device reads than when the background was taken."""
+    """How much farther the whole device reads than when the background was captured."""
 
     offset_mm: float = 0.0
     time_us: int | None = None
-    """When it was last followed; None before the first frame."""
+    """When it was last updated; None before the first frame."""
 
 
 def follow_drift(before: Drift, depth: Depth, background: Background, time_us: int) -> Drift:
     """Advance the device's drift by one frame.
 
-    The background itself is never adapted: that would swallow the halo. A device that warms up
-    shifts all pixels alike, so the middle of the many that show only surface tells its drift.
+    The background itself is never adapted: that would remove the halo. A device that warms up
+    shifts all pixels equally, so the median of the pixels that show only surface is its drift.
     """
     elapsed_us = 0 if before.time_us is None else max(time_us - before.time_us, 0)
     seen = depth[DRIFT_GRID]

@@ -2,8 +2,8 @@
 
 The paper (4.3.4) predicts the expected touch signal from tip position, pitch and yaw with a
 gradient-boosted regressor. The calibration evaluates that regressor on a grid; here the grid is
-interpolated, and the signal divided by the strength expected where the finger is. The dent has
-curves of its own: what hides part of the patch leaves the dent's depth as it is.
+interpolated, and the signal divided by the expected strength at the finger's place. The dent has
+its own curves: what hides part of the patch does not change the dent's depth.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from halo_service.profile.model import Floats
 from halo_service.values import Fingertip
 
 LEAST_STRENGTH, MOST_STRENGTH = 0.3, 3.0
-"""No correction goes farther: beyond it the samples are wrong rather than the halo weak."""
+"""Bounds of the correction: beyond them the samples are more likely wrong than the halo weak."""
 
 
 def correct(raw: float, tip: Fingertip, correction: Correction | None) -> float:
-    """Return the corrected signal, mm px; the raw one where no sweep was made."""
+    """Return the corrected signal, mm px; the raw one without a sweep."""
     if correction is None:
         return raw
     return raw / strength(correction, *tip.pad_mm, tip.pitch_deg, tip.yaw_deg)
@@ -52,7 +52,7 @@ def dent_at_pitch(correction: Correction | None, pitch_deg: float) -> float:
 
 
 def _read(values: Floats, axes: Sequence[Floats], at: Sequence[float]) -> float:
-    """Read a grid linearly between its points; outside of it its edge goes on."""
+    """Read a grid linearly between its points; outside, its edge values apply."""
     read: Any = values
     for place, axis in zip(at, axes, strict=True):
         first, step = float(axis[0]), float(axis[1] - axis[0])

@@ -14,8 +14,8 @@ class Debounce:
     """One finger's debounce between two frames."""
 
     contact: Contact = NO_TOUCH
-    doubted_us: int | None = None
-    """Set while a touch has ended in one frame and no second frame has confirmed it: since when."""
+    ended_us: int | None = None
+    """Since when a touch has ended in one frame that no second frame has confirmed yet."""
 
 
 def debounce(before: Debounce, touching: bool, ago_us: int, time_us: int) -> Debounce:
@@ -27,6 +27,6 @@ def debounce(before: Debounce, touching: bool, ago_us: int, time_us: int) -> Deb
         return Debounce(Contact(False, contact.count, 0))
     if touching:
         return Debounce(Contact(True, contact.count, 0))
-    if before.doubted_us is None:
+    if before.ended_us is None:
         return Debounce(Contact(True, contact.count, 0), time_us - ago_us)
-    return Debounce(Contact(False, contact.count, time_us - before.doubted_us))
+    return Debounce(Contact(False, contact.count, time_us - before.ended_us))

@@ -1,10 +1,10 @@
 """Stage 4: how deep the surface seems dented under a fingertip, the halo without a threshold.
 
-The finger hides the middle of the dent, so its depth is told by what shows beside and ahead. There
-the dent is steep: a fingertip found a millimetre off reads a fifth more or less. So a round bell is
-laid into the hundreds of pixels that show, and finds its own middle near the pad. One pixel under
-the threshold tells nothing, all of them do: the dent is followed to where the halo begins, some
-20 mm up, where the thresholded signal has long been 0.
+The finger hides the middle of the dent, so its depth is estimated from the visible pixels next to
+and ahead of it. There the dent is steep: a fingertip found a millimetre off reads a fifth more or
+less. So a round bell is fitted to the hundreds of visible pixels, with a free middle near the pad.
+One pixel under the threshold carries no information, all of them together do: the dent is measured
+up to where the halo begins, some 20 mm up, where the thresholded signal is long 0.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ Floats = NDArray[np.float64]
 
 BELL_PX = 10.0
 """Where a bell of exp(-(r / BELL_PX)^2) has fallen to a third, at 0.5 m: half the patch that holds
-a whole halo (paper 4.3.3). Half as wide again reads as steadily: only the middle must be free."""
+a whole halo (paper 4.3.3). 1.5 times as wide is as stable; only the middle must be free."""
 RING_PX = (8.0, 18.0)
-"""What is read: beyond the finger's own outline, within the halo."""
+"""Where it is read: outside the finger's outline, within the halo."""
 AHEAD_PX, BACK_PX = 2.0, 5.0
-"""The middle lies a little ahead of the pad as the outline tells it; what lies farther behind the
-middle is finger, and dented by it too (chosen)."""
+"""The middle is a little ahead of the pad from the outline; what is farther behind the middle is
+finger (chosen)."""
 EDGE = np.ones((5, 5), np.uint8)
-"""What lies within two pixels of a hand is no surface either: along an edge a camera averages."""
+"""Pixels within two of a hand are not surface either: a camera averages along an edge."""
 LEAST_PX = 60
-"""Fewer pixels tell no middle: the image's edge, or another finger all around."""
+"""Fewer pixels do not determine the middle: the image's edge, or another finger all around."""
 LEAST_WEIGHT = 2.0
-"""The bell's own squares over what is read, summed: how well its depth can be told. The ring's far
-side alone fits a bell of any depth (chosen: fingers that show have 3 and more, those that a hand
-hides all but a rim of have 1)."""
+"""Sum of the bell's squares over the read pixels: how well they determine its depth. The far side
+of the ring alone fits a bell of any depth (chosen: visible fingers have 3 and more, fingers hidden
+but for a rim have 1)."""
 NOISE_MM, OFF_PX = 4.0, 5.0
-"""Of all pixels together, and of the middle: how much the one is trusted over the other (chosen:
-neighbours err alike)."""
+"""Deviations of all pixels together and of the middle: the weight of one over the other (chosen:
+neighbours have equal errors)."""
 SKIN_MM = 5.0
-"""What reads so much less than the bell is no surface (chosen: above the noise)."""
+"""What reads this much less than the bell is not surface (chosen: above the noise)."""
 PASSES = 2
 """A third changes nothing."""
 _REACH = math.ceil(RING_PX[1])
@@ -71,11 +71,10 @@ def dent_under(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> 
 
 
 def _bell(along: Floats, across: Floats, read_mm: Floats) -> float:
-    """Return the depth of the bell that fits best, nan where none is told by what shows.
+    """Return the depth of the bell that fits best, nan if the visible pixels do not determine it.
 
-    Its middle is free, though not to go far.
-    The skin of a low fingertip, averaged with the dent beside it, can read as the empty surface
-    does; that it is none shows in how far it lies from the bell.
+    Its middle is free within bounds. The skin of a low fingertip, averaged with the dent next to
+    it, can read like the empty surface; it is recognised by its distance from the bell.
     """
     middle = np.zeros(2)
     trust = np.diag([0.0, (NOISE_MM / OFF_PX) ** 2, (NOISE_MM / OFF_PX) ** 2])

@@ -1,4 +1,4 @@
-"""Which fingertips the hand tracker shows: those of extended fingers, each hand once."""
+"""Fingertip detections: those of extended fingers, each hand once."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ PALM = (0, 5, 9, 13, 17)
 SAME_PALM_PX = 30.0
 """Two palms nearer to each other than this are one hand, seen twice (chosen: half a palm)."""
 LEAST_SPREAD_PX = 25.0
-"""Landmarks that lie closer together are no hand (chosen: a fist at 0.8 m spans twice that)."""
+"""A smaller spread of landmarks is not a hand (chosen: a fist at 0.8 m spans twice that)."""
 FARTHEST_PX = 1e5
-"""A landmark farther from the image's origin is no place (chosen: more than any image is wide)."""
+"""A landmark farther from the image's origin is invalid (chosen: wider than any image)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +37,13 @@ class Detection:
     finger: Finger
     tip_px: Pixel
     distal_px: Pixel
-    """The joint next to the tip, put on the line to the finger's root: a finger bends in one plane,
-    and two landmarks 20 px apart tell its direction badly."""
+    """The joint next to the tip, moved to the line to the finger's root: a finger bends in one
+    plane, and two landmarks 20 px apart give a poor direction."""
     confidence: float
 
 
 def detections(tracked: Tracked | None, wanted: Fingers = "index") -> tuple[Detection, ...]:
-    """Return the extended fingers of the tracked hands, the surest hand first."""
+    """Return the extended fingers of the tracked hands, the most confident hand first."""
     if tracked is None:
         return ()
     fingers = tuple(Finger) if wanted == "all" else (Finger.INDEX,)
@@ -56,7 +56,7 @@ def detections(tracked: Tracked | None, wanted: Fingers = "index") -> tuple[Dete
 
 
 def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
-    """Leave out what is no hand, and a hand's second detection; the most confident hand first."""
+    """Remove what is not a hand, and a hand's second detection; the most confident hand first."""
     kept: list[Hand] = []
     for hand in sorted(hands, key=lambda hand: -hand.confidence):
         if not _is_hand(hand):
@@ -67,7 +67,7 @@ def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
 
 
 def _is_hand(hand: Hand) -> bool:
-    """Say whether landmarks are places (never nan) and span a hand."""
+    """Return whether landmarks are valid places (never nan) and span a hand."""
     marks = hand.landmarks_px
     near = bool((np.abs(marks) < FARTHEST_PX).all())  # false for nan
     return near and float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_PX
@@ -82,7 +82,7 @@ def _detection(time_us: int, hand: Hand, finger: Finger) -> Detection:
 
 
 def _extended(hand: Hand, finger: Finger) -> bool:
-    """Say whether a finger points: its tip is farther from the wrist than its middle joint.
+    """Return whether a finger is extended: its tip is farther from the wrist than its middle joint.
 
     A thumb folds across the palm instead: its tip is then nearer to the little finger's knuckle
     than its root's end is.

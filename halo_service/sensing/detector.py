@@ -1,8 +1,8 @@
 """Stage 7: the touch detector (paper 4.3.6).
 
 A touch is a departure of the level from a slowly adapting baseline while the level rises
-sharply, or up to where no hovering finger comes; it ends when the level falls. Pure: time comes
-in by the door.
+sharply, or to a level that no hovering finger reaches; it ends when the level falls. Pure: time is
+an argument.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def detect(
 ) -> Detector:
     """Advance a detector by one frame.
 
-    `before`: None for a finger that has just been found; it does not touch until it comes down.
+    `before`: None for a finger that was just found; it does not touch until it comes down.
     """
     if before is None:
         return Detector(baseline=level, level=level, time_us=time_us)
@@ -67,7 +67,7 @@ def detect(
 
 
 def _smoothed(before: Detector, level: float, elapsed_us: int, settings: SensingSettings) -> float:
-    """Follow the level slowly; never rise so far that a sure touch could not depart."""
+    """Follow the level slowly; never rise so far that a clear touch could not depart from it."""
     share = 1.0 - math.exp(-elapsed_us / (1000.0 * settings.baseline_time_ms))
     followed = before.baseline + share * (level - before.baseline)
     highest = max(before.baseline, settings.sure_level - settings.down_departure)

@@ -1,6 +1,6 @@
 """Stage 4, as in the paper: the halo's strength in a patch around one fingertip.
 
-It stands in where the depth of the dent is hidden, or was not calibrated.
+It is used where the depth of the dent is hidden or was not calibrated.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ PATCH_HEIGHT_PX = 20
 """The patch that holds a whole halo at 0.5 m (paper 4.3.3)."""
 ACROSS = np.arange(PATCH_WIDTH_PX) - PATCH_WIDTH_PX // 2
 ALONG = PATCH_HEIGHT_PX // 2 - np.arange(PATCH_HEIGHT_PX)[:, None]
-"""The patch's columns beside the finger's line and its rows along it, px from the tip."""
+"""The patch's columns across the finger and its rows along it, px from the tip."""
 FREE_PX = 493
 """Pixels of the patch that a lone finger leaves free (chosen: it hides a sixth)."""
 LEAST_FREE_PX = 120
-"""No fewer stand for all: a quarter."""
+"""Fewest free pixels that are scaled up to the whole patch: a quarter."""
 
 
 def extract(segmentation: Segmentation, tip: Fingertip) -> float:
     """Sum the excess depth of the halo pixels in the patch around the tip, mm px.
 
-    The patch lies across the finger. Where more of it is hidden than by a lone finger, by the
-    hand itself, by a neighbour or by pixels that measured nothing, what is left stands for all.
+    The patch lies across the finger. If more of it is hidden than by a single finger (by the hand,
+    a neighbour or pixels without a measurement), the rest is scaled up to the whole.
     """
     dx, dy = unit(tip.distal_px, tip.tip_px)
     end = segmentation.inside(tip.tip_px)
-    # The edge of a silhouette lies between two pixels, where rounding would waver.
+    # The edge of a silhouette is between two pixels, where rounding would be unstable.
     x = np.floor(end[0] + ALONG * dx - ACROSS * dy).astype(np.intp)
     y = np.floor(end[1] + ALONG * dy + ACROSS * dx).astype(np.intp)
     height, width = segmentation.halo.shape

@@ -1,8 +1,8 @@
-"""Stage 3: fingertips, put where the present frame shows them.
+"""Stage 3: fingertips, located in the present frame.
 
-The hand tracker is late by a frame or more and its landmarks are some pixels off; `fingers` says
-how far a tip has gone since. Here it is put on the end of the finger's outline in the present
-depth frame. Under the middle of that round end lies the pad.
+The hand tracker is late by a frame or more and its landmarks are some pixels off; `tracks` predicts
+how far a tip has moved since. Here the tip is moved to the end of the finger's outline in the
+present depth frame. The pad is under the middle of that round end.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Depth, Fingertip
 
 TIP_RADIUS_MM = 7.0
-"""Of a fingertip, where none was measured (chosen: half an adult's index finger)."""
+"""Of a fingertip, if none was measured (chosen: half an adult's index finger)."""
 UNSEEN_CONFIDENCE = 0.4
 """Factor for a tip that the present frame does not show."""
 UNCLEAR_CONFIDENCE = 0.7
-"""Factor for a tip whose outline is no clear edge."""
+"""Factor for a tip without a clear edge."""
 VALID_PITCH_DEG = (15.0, 75.0)
 """Between these the paper's halo is reliable (paper 4.3.4)."""
 STEEP_CONFIDENCE = 0.5
@@ -43,9 +43,9 @@ def locate(
     thickness_mm: float,
     radius_mm: float = TIP_RADIUS_MM,
 ) -> Fingertip:
-    """Find a sighted tip in the present frame.
+    """Find a detected tip in the present frame.
 
-    `detection`: where it is expected there;
+    `detection`: moved to its predicted place;
     `thickness_mm`, `radius_mm`: of the fingertip, from pad to nail and from side to middle.
     """
     camera, surface = profile.camera, profile.surface
@@ -89,7 +89,7 @@ def _pad(rays: Points, surface: Surface, height_mm: float, radius_mm: float) -> 
 
     `rays`: (2, 3) through the outline's end and through a point behind it; `height_mm`: of the
     round tip's middle, where a camera sees its outline. Its lowest point lies under that middle,
-    whatever the finger's pitch.
+    at any pitch of the finger.
     """
     rotation, origin = surface.camera_from_surface[:3, :3], surface.camera_from_surface[:3, 3]
     normal = rotation[:, 2]

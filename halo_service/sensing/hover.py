@@ -27,15 +27,15 @@ TAIL = (
 )
 """The same above the hover state."""
 FADED = 0.3
-"""Below this share of the hover state's dent the finger's own depth comes in, until at none it is
-all: coarser, but the halo says nothing there."""
+"""Below this share of the hover state's dent the finger's own depth is blended in, up to all of it
+at no dent: coarser, but the halo carries no information there."""
 
 
 def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     """Return the pad's height, mm, at least 0.
 
-    Read off the dent under the finger, on a falling curve through the held states; above the
-    halo's reach off the finger's own depth. The two are blended, so that there is no seam.
+    From the dent under the finger, on a falling curve through the held states; above the halo's
+    reach from the finger's own depth. The two are blended, so that there is no jump.
     """
     own_mm = tip.top_mm - states.finger_thickness_mm
     if math.isnan(signal.dent_mm) or states.hover.deep_mm <= 0.0:

@@ -1,8 +1,7 @@
-"""Whose pixel is it: what of hand and halo belongs to one finger, where others are near.
+"""Label pixels: which part of hand and halo belongs to one finger when others are near.
 
-A silhouette holds all fingers at once, and the halos of neighbours melt together. Each pixel is
-the nearest finger's; and what stands much higher than a fingertip just did is another part of
-the hand.
+A silhouette holds all fingers at once, and the halos of neighbours merge. Each pixel belongs to the
+nearest finger; what is much higher than the fingertip just was is another part of the hand.
 """
 
 from __future__ import annotations
@@ -19,32 +18,32 @@ from halo_service.sensing.detections import Pixel
 from halo_service.sensing.segmentation import Segmentation
 
 REACH_PX = 52
-"""Half the window that is looked at: a flat finger's last two segments (`ridge`)."""
+"""Half the window around a tip: a flat finger's last two segments (`ridge`)."""
 FINGER_PX = 34.0
-"""Length of a finger's line back from its tip, for telling whose a pixel is (chosen: 3.4 cm)."""
+"""Length of a finger's line back from its tip, for the labels (chosen: 3.4 cm)."""
 RISE_MM = 20.0
 """A fingertip's upper side rises by less in a frame (chosen: people lift at 0.4 m/s)."""
 TIP_PX = 8.0
-"""Only so far behind the tip the height is looked at: farther back a finger is high itself."""
-NOBODY = 255
+"""The height is checked only so far behind the tip: farther back a finger is high itself."""
+NO_FINGER = 255
 FAR = np.float32(1e9)
 STRIP_PX = 6.0
-"""Half the breadth of the strip in which a finger's end is sought."""
+"""Half the breadth of the strip for the search of a finger's end."""
 LEAST_PX = 20
 """Fewer pixels are noise."""
 BACK_PX = np.arange(8.0, 22.0, 3.0)
 ACROSS_PX = np.arange(-14.0, 15.0)
-"""Where a finger's breadth is looked at: behind the tip, whose end a strong halo hides, and wider
-than it is."""
+"""Where a finger's breadth is measured: behind the tip, because a strong halo hides its end, and
+wider than it is."""
 BREADTH_PX = (4.0, 24.0)
-"""Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with room)."""
+"""Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with a margin)."""
 
-Owners = NDArray[np.uint8]
+FingerNumbers = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """Where a finger should be in the present frame."""
+    """A track's predicted place in the present frame."""
 
     tip_px: Pixel
     direction: Pixel
@@ -55,17 +54,17 @@ class Prediction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Labels:
-    """Whose each pixel is: the finger's number, or `NOBODY`."""
+    """The label of each pixel: the finger's number, or `NO_FINGER`."""
 
-    halo: Owners
-    """(h, w) by the way to a finger's line from its tip on."""
-    hand: Owners
-    """(h, w) by the way to the line from a little behind the tip: what lies beyond a tip is flesh
-    of the finger beside, rather than of one that was expected farther out than it is."""
+    halo: FingerNumbers
+    """(h, w) by the distance to a finger's line from its tip on."""
+    hand: FingerNumbers
+    """(h, w) by the distance to the line from a little behind the tip: skin beyond a tip belongs to
+    the neighbour rather than to a finger that was predicted too far out."""
 
 
 def around(places: Sequence[Prediction], shape: tuple[int, ...]) -> Part:
-    """Return the part of an image, (H, W), that holds all that is looked at for these places."""
+    """Return the part of an image, (H, W), with the windows of all these places."""
     boxes = [_box(place.tip_px, shape) for place in places]
     return (
         slice(
@@ -78,9 +77,9 @@ def around(places: Sequence[Prediction], shape: tuple[int, ...]) -> Part:
 
 
 def label_pixels(fingers: Sequence[Prediction], segmentation: Segmentation) -> Labels:
-    """Give each pixel around the fingers to the nearest of them."""
+    """Label each pixel around the fingers with the nearest of them."""
     shape = segmentation.hand.shape
-    halo, hand = np.full(shape, NOBODY, np.uint8), np.full(shape, NOBODY, np.uint8)
+    halo, hand = np.full(shape, NO_FINGER, np.uint8), np.full(shape, NO_FINGER, np.uint8)
     if len(fingers) < 2:
         return Labels(halo, hand)
     halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
@@ -93,19 +92,19 @@ def label_pixels(fingers: Sequence[Prediction], segmentation: Segmentation) -> L
         dx, dy = _from(tip, box)
         ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
         back, aside = -dx * ux - dy * uy, (dy * ux - dx * uy) ** 2
-        for owners, away, from_px in ((halo, halo_away, 0.0), (hand, hand_away, TIP_PX)):
+        for numbers, away, from_px in ((halo, halo_away, 0.0), (hand, hand_away, TIP_PX)):
             off = back - np.clip(back, np.float32(from_px), np.float32(FINGER_PX))
             own = aside + off * off
             nearer = own < away[box]
             np.copyto(away[box], own, where=nearer)
-            np.copyto(owners[box], np.uint8(number), where=nearer)
+            np.copyto(numbers[box], np.uint8(number), where=nearer)
     return Labels(halo, hand)
 
 
 def pixels_of(
     segmentation: Segmentation, labels: Labels, number: int, place: Prediction
 ) -> Segmentation:
-    """Return the scene around a place, with nothing in it that is another finger's."""
+    """Return the scene around a place, without the pixels of other fingers."""
     tip = segmentation.inside(place.tip_px)
     box = _box(tip, segmentation.hand.shape)
     around = segmentation.cut(box)
@@ -120,9 +119,9 @@ def pixels_of(
 
 
 def strip_end(segmentation: Segmentation, place: Prediction) -> Pixel:
-    """Return where the strip of hand along a finger's line ends, the expected tip where none is.
+    """Return the end of the strip of hand along a finger's line, the predicted tip without one.
 
-    It finds a tip that went farther along the finger than expected.
+    It finds a tip that moved farther along the finger than predicted.
     """
     rows, columns = np.nonzero(segmentation.hand)
     x, y = segmentation.inside(place.tip_px)
@@ -136,7 +135,7 @@ def strip_end(segmentation: Segmentation, place: Prediction) -> Pixel:
 
 
 def is_finger(segmentation: Segmentation, tip_px: Pixel, direction: Pixel) -> bool:
-    """Say whether what ends at a tip is as broad as a finger.
+    """Return whether the shape that ends at a tip is as broad as a finger.
 
     `direction`: unit vector from joint to tip.
     """
@@ -150,8 +149,8 @@ def is_finger(segmentation: Segmentation, tip_px: Pixel, direction: Pixel) -> bo
     return BREADTH_PX[0] <= breadth <= BREADTH_PX[1]
 
 
-def _open(owners: Owners, number: int) -> NDArray[np.bool_]:
-    return np.asarray((owners == number) | (owners == NOBODY))
+def _open(numbers: FingerNumbers, number: int) -> NDArray[np.bool_]:
+    return np.asarray((numbers == number) | (numbers == NO_FINGER))
 
 
 def _box(tip: Pixel, shape: tuple[int, ...]) -> Part:

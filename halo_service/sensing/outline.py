@@ -27,26 +27,26 @@ Excess = NDArray[np.float32]
 VIEW_PX = 48
 """Half the view: the tracker's error, and a flat finger's last segment behind it."""
 CREST_MM = 4.0
-"""What is this near to a row's nearest pixel is the finger's ridge: a wedge under it is not."""
+"""Pixels within this of a row's nearest one are the finger's ridge: a wedge under it is not."""
 MIDLINE_PX = (12, 18, 26)
-"""How far behind its end the finger is followed, farther as its direction gets surer."""
+"""How far behind its end the finger is followed, farther with each better direction."""
 LEAST_ROWS, LEAST_PX = 5, 3
-"""Fewer rows make no line, fewer pixels no row."""
+"""Minimum rows for a line, and pixels for a row."""
 TURN = 0.5
 """The midline corrects the landmarks' direction by at most this slope a pass."""
 AHEAD_PX = (-14, 22)
-"""Along the finger: where its end is sought, from the rough one."""
+"""Along the finger: the search range for its end, from the rough one."""
 ACROSS_PX = (-15, 16)
-"""Across: where its two sides are sought."""
+"""Across: the search range for its two sides."""
 END_PX = (-10, 17)
 SIDE_PX = (2, 12)
-"""Within these the edge must lie."""
+"""The edge must be within these."""
 NO_RIDGE = 1e6
-"""Farther than anything reads, mm."""
+"""Farther than any measurement, mm."""
 ROUND = 0.75
 """Share of the radius to both sides of the middle over which the round end is averaged."""
 LEAST_STEP_MM = 5.0
-"""A lower step is no edge (chosen: above the noise of the rows that are averaged)."""
+"""A lower step is not an edge (chosen: above the noise of the averaged rows)."""
 MISFIT = 0.5
 """Share of the radius by which a tip may be broader than its two (chosen: blur adds a quarter)."""
 OFF_PX = 3.0
@@ -67,7 +67,7 @@ class Outline(NamedTuple):
 
 
 class _View(NamedTuple):
-    """What is looked at, cut once."""
+    """The cropped arrays."""
 
     layers: Excess
     """(h, w, 2) excess depth, mm, and 1 where it was measured on this finger or the surface; both
@@ -81,8 +81,8 @@ def outline(
 ) -> Outline | None:
     """Return the finger's outline near a guess, or None where no finger is.
 
-    `segmentation`: what is neither hand nor free in it is another finger's, and not looked at;
-    `direction`: unit vector from joint to tip, as well as it is known; `radius_px`: of the tip.
+    `segmentation`: what is neither hand nor free in it belongs to another finger and is ignored;
+    `direction`: unit vector from joint to tip, approximate; `radius_px`: of the tip.
     """
     part = _around(segmentation, guess)
     own = (part.hand | part.free) & (depth[part.rows, part.columns] > 0)
@@ -97,7 +97,7 @@ def outline(
     view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
     found = _ended(view, *_midline(view, rough, direction, radius_px), radius_px)
     if _misfit(found, radius_px) > MISFIT * radius_px:
-        # Knuckles beside a finger draw its midline over to them; the tracker knows them apart.
+        # Knuckles next to a finger pull its midline towards them; the given direction does not.
         as_given = _ended(view, rough, direction, radius_px)
         if _misfit(as_given, radius_px) <= _misfit(found, radius_px):
             found = as_given
@@ -106,8 +106,8 @@ def outline(
 
 
 def _ended(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> Outline:
-    """Put a finger's rough end on its outline; in the view's own pixels."""
-    for _ in range(2):  # the second pass stands in the middle, the first may stand beside it
+    """Refine a finger's rough end on its outline; in the view's own pixels."""
+    for _ in range(2):  # the second pass is in the middle, the first may be off it
         ahead, clear = _end(view, tip, direction, radius_px)
         tip = moved(tip, direction, ahead, 0.0)
         aside, width_px = _sides(view, tip, direction, radius_px)
@@ -158,7 +158,7 @@ def _end(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[f
 
 
 def _sides(view: _View, tip: Pixel, direction: Pixel, radius_px: float) -> tuple[float, float]:
-    """Return how far beside `tip` the finger's middle is, and its width, px; 0 and nan if unclear.
+    """Return the offset of the finger's middle from `tip`, and its width, px; 0 and nan if unclear.
 
     Read where the tip is widest and a little behind.
     """
@@ -182,7 +182,7 @@ def _behind(back_px: int, radius_px: float) -> Grid:
 def _ahead(radius_px: float) -> Grid:
     half = math.floor(ROUND * radius_px)
     straight = grid(np.arange(*AHEAD_PX), np.arange(-half, half + 1))
-    # Bent like the end itself, so that the edge lies at one place in all columns.
+    # Bent like the end itself, so that the edge is at one place in all columns.
     bend = radius_px - np.sqrt(radius_px**2 - straight.across**2)
     return Grid((straight.along - bend).astype(np.float32), straight.across)
 
@@ -209,7 +209,7 @@ def _profile(view: _View, tip: Pixel, direction: Pixel, at: Grid, axis: int) -> 
 def _edge(profile: Floats, first_px: int, within_px: tuple[int, int]) -> tuple[float, bool]:
     """Return where a profile rises most, half way up the step, and whether that is an edge.
 
-    `first_px`: where the profile begins; `within_px`: between which the edge must lie.
+    `first_px`: where the profile begins; `within_px`: the range of the edge.
     """
     a, b = within_px[0] - first_px, within_px[1] - first_px + 1
     rise = profile[a + 1 : b + 1] + profile[a + 2 : b + 2] - profile[a - 2 : b - 2]

@@ -1,4 +1,4 @@
-"""From a sensed finger to what clients are told of it."""
+"""From a sensed finger to a published pointer."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from halo_service.values import (
 )
 
 FITTED, FITTED_MS = 4, 200.0
-"""Last places that a velocity is read from, and how old they may be (chosen: as few as even out
-the noise under a curve; over more dropped frames than these the way is not known)."""
-NOTHING = 1e-12
-"""Added to squares of seconds, so that places of one and the same time have a velocity too: 0."""
+"""Last places for the velocity, and their greatest age (chosen: as few as average out the noise
+under a curve; over more dropped frames the path is unknown)."""
+REGULARISATION_S2 = 1e-12
+"""Added to squares of seconds, so that places with equal times have a velocity too: 0."""
 STRIKE_SPANS = 2
-"""The last two frames before a contact tell the strike: a finger falls 0.1 s from where it hovers,
-and faster to the end."""
+"""The strike is read from the last two frames before a contact: a finger falls for 0.1 s, and
+faster to the end."""
 LEAST_FALL_S = 0.01
-"""The contact's time is known to about that (chosen: a third of a frame)."""
+"""Accuracy of the contact's time (chosen: a third of a frame)."""
 HIDDEN_CONFIDENCE = 0.6
-"""Factor for a finger beside whose tip no surface is seen: its halo is another's, or none."""
+"""Factor for a finger without visible surface next to its tip: its halo is another's, or none."""
 EDGE_CONFIDENCE = 0.6
-"""Factor for a finger beside the surface, where nothing was calibrated."""
+"""Factor for a finger outside the surface, where nothing was calibrated."""
 RANGE_HYSTERESIS_MM = 5.0
-"""A live pointer may go this much farther than a new one may come in, so that none flickers."""
+"""A pointer ends this much farther out than a new one starts, so that none flickers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,18 +71,18 @@ class Motion:
     def strike_mm_s(self, contact_us: float) -> float:
         """Towards the surface, at a contact that is not among the places yet.
 
-        The mean of three views, each of which errs in its own way: the pad's fastest fall (the
-        halo sees it late), its fall down to the contact (whose time lies between two frames), and
-        the fastest fall of the upper side (which the halo lifts).
+        The mean of three estimates with different errors: the pad's fastest fall (the halo shows it
+        late), its fall down to the contact (at a time between two frames), and the fastest fall of
+        the upper side (which the halo lifts).
         """
         last = self.places[-STRIKE_SPANS:]
-        views = (
+        estimates = (
             _fastest([(each.time_us, each.height_mm) for each in self.places[-3:]]),
             _fall(last, contact_us),
             _fastest([(each.time_us, each.top_mm) for each in self.places[-3:]]),
         )
-        known = [view for view in views if math.isfinite(view)]
-        return max(sum(known) / len(known), 0.0) if known else 0.0
+        finite = [each for each in estimates if math.isfinite(each)]
+        return max(sum(finite) / len(finite), 0.0) if finite else 0.0
 
 
 def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
@@ -96,7 +96,7 @@ def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
 def _velocity(places: Sequence[Place]) -> tuple[float, float]:
     """Return the velocity in the last of some places, mm/s; 0 for a single one.
 
-    That of a parabola through them: a line's would be that of their middle, two frames ago.
+    From a parabola through them: a line would give that of their middle, two frames ago.
     """
     now_us = places[-1].time_us
     recent = [each for each in places if now_us - each.time_us <= 1000.0 * FITTED_MS]
@@ -105,8 +105,8 @@ def _velocity(places: Sequence[Place]) -> tuple[float, float]:
     times_s = [(each.time_us - now_us) / 1e6 for each in recent]
     powers = np.array([(1.0, t, t * t) if len(recent) == FITTED else (1.0, t) for t in times_s])
     places_mm = np.array([(each.x_mm, each.y_mm) for each in recent])
-    # By the normal equations, in a fifth of a general solver's time: this is asked every frame.
-    normal = powers.T @ powers + NOTHING * np.eye(powers.shape[1])
+    # By the normal equations, in a fifth of a general solver's time: this runs every frame.
+    normal = powers.T @ powers + REGULARISATION_S2 * np.eye(powers.shape[1])
     x, y = np.linalg.solve(normal, powers.T @ places_mm)[1].tolist()
     return x, y
 
@@ -138,7 +138,7 @@ def describe(
     contact: Contact,
     states: TouchStates,
 ) -> Pointer:
-    """Make a pointer of what was sensed; its velocity is not known yet."""
+    """Return the pointer without its velocity, which is computed afterwards."""
     pressure = touch_pressure(signal, states) if contact.touching else 0.0
     return Pointer(
         id=id,
@@ -177,7 +177,7 @@ def edge(pointer: Pointer, surface: Surface) -> float:
 
 
 def within_reach(pointer: Pointer, live: bool, surface: Surface, settings: SensingSettings) -> bool:
-    """Say whether a fingertip is near enough to the surface and its edges to be a pointer."""
+    """Return whether a fingertip is near enough to the surface and its edges to be a pointer."""
     slack = RANGE_HYSTERESIS_MM if live else 0.0
     margin = settings.edge_margin_mm + slack
     return (
@@ -188,5 +188,5 @@ def within_reach(pointer: Pointer, live: bool, surface: Surface, settings: Sensi
 
 
 def _no_force(states: TouchStates) -> float:
-    """In the air the force is nothing where forces are known at all."""
+    """Return the force in the air: 0, or unknown if the calibration states no forces."""
     return FORCE_UNKNOWN_G if states.touch.force_g < 0.0 else 0.0

@@ -7,13 +7,13 @@ from halo_service.sensing.states import interpolate, readings
 from halo_service.values import Signal
 
 LEAST_PRESSURE = 0.02
-"""A touch always presses a little, so that pressure alone tells touch from hover."""
+"""A touch always presses a little, so that pressure alone separates touch from hover."""
 FORCE_UNKNOWN_G = -1.0
 GROWTH = 0.6
 """The halo grows with the pad's contact, and that with the force to this power: 2/3 for a round
 elastic body (Hertz), less for flesh that stiffens. Chosen between 1/2 and 2/3, not fitted."""
 TOUCH_G, PRESS_G = 25.0, 200.0
-"""A relaxed touch and a medium press, where nobody stated them (chosen)."""
+"""A relaxed touch and a medium press, if not stated (chosen)."""
 
 
 def touch_pressure(signal: Signal, states: TouchStates) -> float:
@@ -33,7 +33,7 @@ def touch_pressure(signal: Signal, states: TouchStates) -> float:
 
 
 def force(pressure: float, states: TouchStates) -> float:
-    """Return grams where the calibration knows its forces, else -1."""
+    """Return grams if the calibration states its forces, else -1."""
     if states.touch.force_g < 0.0 or states.pressure.force_g < 0.0:
         return FORCE_UNKNOWN_G
     span_g = states.pressure.force_g - states.touch.force_g

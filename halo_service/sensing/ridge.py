@@ -1,6 +1,6 @@
 """The finger's ridge: which way its last segment points, read off many pixels of this frame.
 
-The landmarks of tip and joint are pixels off, and two single depths tell a pitch badly. So the
+The landmarks of tip and joint are pixels off, and two single depths give a poor pitch. So the
 ridge, the part of the finger nearest to the camera, is followed back from the tip row by row,
 and lines through it in space give pitch and yaw.
 """
@@ -25,19 +25,20 @@ Floats = NDArray[np.float64]
 BACK = np.arange(44)
 """Rows, px behind the tip: a flat finger's last two segments at 0.5 m."""
 SIDE = np.arange(-9, 10)
-"""Columns, px beside the finger's line: half a finger more than a finger."""
+"""Columns, px from the finger's line: half a finger more than a finger."""
 CREST_MM = 4.0
-"""What is this near to a row's nearest pixel is ridge: a wedge under the finger is not."""
+"""Pixels within this of a row's nearest one are ridge: a wedge under the finger is not."""
 LEAST_PX = 3
-"""Fewer pixels make no ridge."""
+"""Minimum pixels of a ridge row."""
 LEAST_ROWS = 4
-"""Fewer rows make no line."""
+"""Minimum rows for a line."""
 SEGMENT_MM = (18.0, 42.0)
-"""What tells the pitch, as the crow flies from the ridge's first point: above the halo, which bends
-the last 2 cm of a low finger by up to 20 degrees, so that a pitch would tell the force instead
-(chosen: over the four held states the pitch changes by 2 to 5 degrees, from 10 to 14 nearer)."""
+"""Part for the pitch, by distance from the ridge's first point: above the halo, which bends the
+last 2 cm of a low finger by up to 20 degrees, so that the pitch would follow the force instead
+(chosen: over the four held states the pitch changes by 2 to 5 degrees; nearer to the tip by 10 to
+14)."""
 FINGER_MM = (3.0, 45.0)
-"""The segments that share a yaw: a finger bends in one plane."""
+"""Part for the yaw: a finger bends in one plane."""
 TAPER_DEG = 6.0
 """The upper side is steeper than the axis: a finger is thinner at its end (chosen: what the virtual
 hand shows at 45 degrees)."""
@@ -86,10 +87,10 @@ def angles(
 def height_behind(
     segmentation: Segmentation, tip_px: Pixel, direction: Pixel, back_px: float
 ) -> float:
-    """Return how high the upper side is so far behind the tip, mm; nan where unmeasured.
+    """Return the height of the upper side so far behind the tip, mm; nan where unmeasured.
 
-    Read against the empty surface seen in the same pixels, so that what the camera always reads
-    wrongly there cancels out.
+    Relative to the empty surface in the same pixels, so that constant errors of the camera there
+    cancel out.
     """
     at = Grid(NAIL.along - np.float32(back_px), NAIL.across)
     read = nearest(segmentation.excess_mm, segmentation.inside(tip_px), direction, at, 0.0)

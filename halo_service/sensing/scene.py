@@ -1,4 +1,4 @@
-"""The part of a frame that fingers can be in, and where in it each of them is."""
+"""The part of a frame around all fingers, and the place of each in it."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from halo_service.sensing.tracks import Track, claim, detection_at, is_better, i
 from halo_service.values import Fingertip, Frame
 
 LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
-"""A finger's upper side stands higher than this 2 cm behind its end, where no press hides it; what
-does not is surface."""
+"""2 cm behind its end a finger's upper side is higher than this, however hard it presses; what is
+lower is surface."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What all fingers of a frame are sought in."""
+    """The segmented part of a frame, with the predictions of all tracks."""
 
     frame: Frame
     places: tuple[Prediction, ...]
-    """By each finger's own path."""
+    """From each track's own path."""
     claims: tuple[Prediction | None, ...]
-    """By the tracker, where it has lately seen a finger that has a path."""
+    """From recent detections, for tracks that have a path."""
     segmentation: Segmentation
     """The part around all of these places."""
     labels: Labels
@@ -51,9 +51,9 @@ class Found:
 
     tip: Fingertip
     own: Segmentation
-    """The scene as far as it is this finger's."""
+    """The pixels that belong to this finger."""
     followed: bool
-    """Along its path, rather than where the tracker saw it anew."""
+    """Found along its path rather than at its new detection."""
 
 
 def look(
@@ -63,7 +63,7 @@ def look(
     settings: SensingSettings,
     drift_mm: float,
 ) -> Scene:
-    """Reveal what is around the fingers. `drift_mm`: see `excess_depth`."""
+    """Segment what is around the fingers. `drift_mm`: see `excess_depth`."""
     places = tuple(predict(finger, frame.time_us) for finger in fingers)
     claims = tuple(claim(finger, frame.time_us) for finger in fingers)
     part = around((*places, *(each for each in claims if each)), frame.depth.shape)
@@ -77,7 +77,7 @@ def look(
 
 
 def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found | None:
-    """Return a fingertip in the present frame, None where none shows."""
+    """Return the fingertip in the present frame, None if it does not show."""
     expected, claimed = scene.places[number], scene.claims[number]
     own = pixels_of(scene.segmentation, scene.labels, number, expected)
     tip = _tip(finger, expected, own, scene, states)
@@ -108,6 +108,6 @@ def _tip(
     )
     behind_mm = height_behind(own, tip.tip_px, place.direction, JOINT_PX)
     lies = behind_mm < LEAST_TOP_MM  # false for nan: unmeasured
-    # By its two sides, which stand out of the deepest dent; else by the flesh above the surface.
+    # By its two sides, which show in the deepest dent; else by its breadth above the surface.
     shows = math.isfinite(tip.width_mm) or is_finger(own, tip.tip_px, place.direction)
     return tip if shows and not lies else None

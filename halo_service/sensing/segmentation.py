@@ -1,4 +1,4 @@
-"""Stage 2: the halo revealer. What dents the surface is halo, what stands above it is hand."""
+"""Stage 2: segmentation. What seems below the surface is halo, what is above it is hand."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from halo_service.sensing.settings import SensingSettings
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segmentation:
-    """A part of the image, told apart."""
+    """A part of the image, segmented."""
 
     excess_mm: NDArray[np.float32]
     """(h, w) depth above the background, mm; 0 where unmeasured."""
     halo: NDArray[np.bool_]
     """(h, w) the surface seems dented here."""
     hand: NDArray[np.bool_]
-    """(h, w) something stands above the surface here."""
+    """(h, w) something is above the surface here."""
     free: NDArray[np.bool_]
-    """(h, w) nothing does."""
+    """(h, w) nothing is."""
     left: int = 0
     top: int = 0
     """The first column and row in the image."""
@@ -39,7 +39,7 @@ class Segmentation:
         return slice(self.left, self.left + self.hand.shape[1])
 
     def inside(self, image_px: Pixel) -> Pixel:
-        """Return where a place of the image is in these arrays."""
+        """Return an image position in these arrays."""
         return image_px[0] - self.left, image_px[1] - self.top
 
     def cut(self, part: Part) -> Segmentation:
@@ -61,9 +61,9 @@ def segment(
     left: int = 0,
     top: int = 0,
 ) -> Segmentation:
-    """Tell halo and hand apart by thresholds on the excess depth (paper 4.3.1).
+    """Segment halo and hand by thresholds on the excess depth (paper 4.3.1).
 
-    `measured_mm`: the threshold that the calibration found; the settings may say another;
+    `measured_mm`: the threshold from the calibration; the settings may override it;
     `left`, `top`: the first column and row in the image.
     """
     halo = excess_mm > (settings.halo_threshold_mm or measured_mm)

@@ -1,4 +1,4 @@
-"""The few numbers of the sensing that a user may want to change; each says its unit and origin."""
+"""The numbers of the sensing that a user may want to change, each with its unit and origin."""
 
 from __future__ import annotations
 

@@ -10,14 +10,14 @@ from halo_service.sensing.detections import Pixel
 from halo_service.sensing.finger_frame import moved
 
 ROI_PX = 22
-"""Half the window in which the silhouette's end is sought: a fast finger's way in one frame."""
+"""Half the search window for the silhouette's end: a fast finger's path in one frame."""
 NEARER_MM = 4.0
-"""What reads nearer than the surface by this much is finger (chosen: above the noise)."""
+"""What is nearer than the surface by this much is finger (chosen: above the noise)."""
 STANDS_OUT_MM = 8.0
-"""What reads nearer than its surroundings by this much is finger too (chosen: half of the least
+"""What is nearer than its surroundings by this much is finger too (chosen: half of the least
 step between a finger and the dent around it, and above the noise of 3 x 3 pixels)."""
 FILLING = np.ones((21, 21), np.uint8)
-"""A valley narrower than this is a finger: half as wide again as a finger at 0.5 m."""
+"""A valley narrower than this is a finger: 1.5 times the width of a finger at 0.5 m."""
 LEAST_HAND_PX = 20
 """Fewer finger pixels in the window are noise."""
 
@@ -32,9 +32,9 @@ def stands_out(excess_mm: NDArray[np.float32]) -> NDArray[np.bool_]:
 def silhouette_end(
     finger: NDArray[np.bool_], guess: Pixel, direction: Pixel, radius_px: float
 ) -> Pixel | None:
-    """Return the end of the finger's mask near a guess, to a few px; None where no finger is."""
+    """Return the end of the finger's mask near a guess, to a few px; None without a finger."""
     tip, half_px = guess, 1.3 * radius_px
-    for _ in range(2):  # the second pass looks straight along the finger, the first may look askew
+    for _ in range(2):  # the second pass looks straight along the finger, the first may be tilted
         left, top = max(round(tip[0]) - ROI_PX, 0), max(round(tip[1]) - ROI_PX, 0)
         window = finger[top : max(top + 2 * ROI_PX, 0), left : max(left + 2 * ROI_PX, 0)]
         rows, columns = np.nonzero(window)

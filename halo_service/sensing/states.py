@@ -14,16 +14,16 @@ def interpolate(x: float, x_min: float, x_max: float, y_min: float, y_max: float
 
 
 def touch_level(signal: Signal, states: TouchStates) -> float:
-    """Return 0 at the subtle state, 1 at touch; beyond both ends the line goes on."""
+    """Return 0 at the subtle state, 1 at touch; linear beyond both ends."""
     return interpolate(*readings(signal, states.subtle, states.touch), 0.0, 1.0)
 
 
 def readings(signal: Signal, lower: TouchState, upper: TouchState) -> tuple[float, float, float]:
-    """Return what a signal reads, and what it read in two states in contact or close to it.
+    """Return a signal's reading, and its readings in two states in contact or close to it.
 
-    The dent under the finger, mm: a hand that hides most of the patch takes from the patch's sum
-    and not from the dent, which also goes on growing where the sum is cut off at the patch's edge.
-    The sum, mm px, where the dent is hidden too, or was not calibrated.
+    The dent under the finger, mm: a hand that hides most of the patch reduces the patch's sum but
+    not the dent, which also grows on where the sum is cut off at the patch's edge. The sum, mm px,
+    if the dent is hidden too or was not calibrated.
     """
     if math.isfinite(signal.pressed_mm) and upper.deep_mm > lower.deep_mm > 0.0:
         return signal.pressed_mm, lower.deep_mm, upper.deep_mm

@@ -1,8 +1,8 @@
-"""The story of one frame, on one screen.
+"""The whole pipeline for one frame, on one screen.
 
-`Frame -> Fingertips -> Halo signals -> Contacts -> TouchFrame`
+`Frame -> hands -> tracks -> fingertip measurements -> contacts -> TouchFrame -> bytes`
 
-The hand tracker stands outside: it is stateful and late, and hands in what it last saw.
+The hand tracker runs outside: it is stateful and late, and passes in the hands that it found last.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from halo_service.sensing.tracks import (
     along,
     changes,
     coast,
-    doubt,
     is_abandoned,
+    tracker_confidence,
 )
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
 
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
-"""Name, width and height in mm of a surface that nobody has calibrated."""
+"""Name, width and height in mm of a surface without calibration."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """All that one frame leaves to the next."""
+    """All that one frame passes to the next."""
 
     profile: Profile | None
     """None before any calibration: frames then have no pointers."""
@@ -57,30 +57,30 @@ def start(profile: Profile | None, settings: SensingSettings) -> State:
 
 
 def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFrame, State]:
-    """Sense one frame. `tracked`: the newest that the hand tracker has, or None."""
+    """Sense one frame. `tracked`: the newest hands that the tracker found, or None."""
     profile, settings = state.profile, state.settings
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
-    known = associate(state.fingers, detections(tracked, settings.fingers), state.next_id)
-    scene = look(frame, known, profile, settings, state.drift.offset_mm)
+    tracks = associate(state.fingers, detections(tracked, settings.fingers), state.next_id)
+    scene = look(frame, tracks, profile, settings, state.drift.offset_mm)
     fingers: list[Track] = []
     events: list[TouchEvent] = []
-    for number, before in enumerate(known):
+    for number, before in enumerate(tracks):
         finger = follow_finger(before, number, scene)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
     next_id = max([state.next_id, *(finger.id + 1 for finger in fingers)])
-    told = _frame(state, frame.time_us, fingers, events)
+    touch_frame = _frame(state, frame.time_us, fingers, events)
     drift = follow_drift(state.drift, frame.depth, profile.background, frame.time_us)
-    return told, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
+    return touch_frame, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
 
 
 def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
-    """Take one finger through all stages into the present frame; None when it is gone."""
+    """Run all stages on one finger in the present frame; None if it is gone."""
     profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
     states = profile.states(before.side)
-    assert states is not None  # `step` senses with a whole profile alone
+    assert states is not None  # `step` senses only with a complete profile
     if is_abandoned(before, now_us):
         return None
     found = find(before, number, scene, states)
@@ -96,7 +96,9 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
     vx_mm_s, vy_mm_s = motion.velocity_mm_s
     if not within_reach(pointer, before.pointer is not None, profile.surface, settings):
         return None
-    confidence = pointer.confidence * doubt(before, now_us) * edge(pointer, profile.surface)
+    confidence = (
+        pointer.confidence * tracker_confidence(before, now_us) * edge(pointer, profile.surface)
+    )
     return replace(
         along(before, Past(now_us, tip.tip_px), found.followed),
         pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s, confidence=confidence),
@@ -109,20 +111,20 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
 def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:
     """Read the halo around one fingertip."""
     raw = extract(segmentation, tip)
-    known = profile.correction
-    dent_mm = dent_under(segmentation, tip, profile) / dent_strength(known, *tip.pad_mm)
-    pressed_mm = dent_mm / dent_at_pitch(known, tip.pitch_deg)
-    return Signal(raw, correct(raw, tip, known), dent_mm, pressed_mm)
+    correction = profile.correction
+    dent_mm = dent_under(segmentation, tip, profile) / dent_strength(correction, *tip.pad_mm)
+    pressed_mm = dent_mm / dent_at_pitch(correction, tip.pitch_deg)
+    return Signal(raw, correct(raw, tip, correction), dent_mm, pressed_mm)
 
 
 def adopt(state: State, profile: Profile) -> State:
-    """Go on with another profile. Every finger begins anew in the air, so a touch owes its up."""
+    """Continue with another profile. Fingers start again in the air, so a touch gets its up."""
     fingers = tuple(replace(finger, detector=None) for finger in state.fingers)
     return replace(state, profile=profile, fingers=fingers, drift=Drift())
 
 
 def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
-    """Let all pointers go: what a frame that cannot be sensed says, so that nothing sticks."""
+    """Release all pointers, for a frame that cannot be sensed."""
     events = [event for finger in state.fingers for event in changes(finger, None)]
     return _frame(state, time_us, (), events), replace(state, fingers=())
 

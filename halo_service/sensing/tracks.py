@@ -1,8 +1,8 @@
-"""What is remembered of a finger from frame to frame, and where it should therefore be.
+"""One track for each finger: its state from frame to frame, and its predicted place.
 
-The tracker says that there is a finger, which one, and about where. From then on the depth says
-where it is: the tracker loses a hand in every tenth frame, sees one twice, or mistakes a left one
-for a right one, and none of that may cost a finger its place, its id or its touch.
+The hand tracker reports that there is a finger, which one, and roughly where. From then on the
+depth image gives its place. The hand tracker loses a hand in every tenth frame, sees one twice, or
+confuses left and right; a finger must keep its place, id and touch all the same.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
 LOWER_MM = 8.0
-"""Of two places that a finger may be at, the fingertip hangs lower than a knuckle (chosen: half a
-finger's thickness)."""
+"""Of two possible places the fingertip is lower than a knuckle by this (chosen: half a finger's
+thickness)."""
 REMEMBERED = 8
-"""Tips kept a finger: the slowest tracker's lag at 30 frames a second."""
+"""Past tips per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
-"""So old may a sighting be that says where a finger is (chosen: a slow tracker's lag)."""
+"""Greatest age of a detection that gives a finger's place (chosen: a slow tracker's delay)."""
 BESIDE_PX = 12.0
-"""Farther off the tracker's tips are seldom, and a neighbour's middle is 18 px away (chosen)."""
+"""The tracker's tips are rarely farther off; a neighbour's middle is 18 px away (chosen)."""
 INSISTS = 4
-"""Sightings in a row: the tracker errs singly and, on hands that overlap, in runs (chosen)."""
+"""Detections in a row: tracker errors are single, or in runs when hands overlap (chosen)."""
 MOVED_PX = 5.0
-"""A tip that went so far has moved (chosen: more than its noise, less than a hand at rest drifts
+"""A tip that went this far has moved (chosen: more than its noise, less than a resting hand drifts
 in a second or two)."""
 LEFT_BEHIND_US, HELD_US = 2_000_000, 10_000_000
-"""What the tracker calls no finger for so long, and what does not move either, is a thing: a pen,
-a mug. A touch is believed longer, for a finger that presses is still (chosen)."""
-SILENT_CONFIDENCE, ASTRAY_CONFIDENCE = 0.6, 0.6
-"""Factors where the tracker has not seen a finger lately, and where it sees it elsewhere."""
+"""Without a detection and without motion for so long, a track is an object: a pen, a mug. A touch
+lasts longer, because a pressing finger is still (chosen)."""
+UNDETECTED_CONFIDENCE, ELSEWHERE_CONFIDENCE = 0.6, 0.6
+"""Factors for a finger without a recent detection, and for one detected elsewhere."""
 UNSHOWN_CONFIDENCE = 0.4
-"""Factor for each frame that does not show a finger."""
+"""Factor for each frame that does not show the finger."""
 GAP_FRAMES = 2.0
-"""Over a gap in time a finger is carried on for at most this many of its last steps."""
+"""Over a gap in time a finger is predicted by at most this many of its last steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,24 +54,24 @@ class Past:
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """One finger, from when it is first seen until it is gone."""
+    """One finger, from its first detection until it is gone."""
 
     id: int
     slot: int
     detection: Detection
-    """The tracker's last word on it."""
+    """The last one."""
     direction: Pixel
-    """Unit vector from joint to tip in the image, smoothed over the sightings."""
+    """Unit vector from joint to tip in the image, smoothed over the detections."""
     votes: int
-    """For a right hand less those for a left one, over the last sightings."""
+    """For a right hand minus those for a left one, over the last detections."""
     shown_us: int
-    """When the depth last showed it."""
+    """When the depth image last showed it."""
     off_path: int = 0
-    """Sightings in a row that lie beside its path."""
+    """Detections in a row that are off its path."""
     contradicted: int = 0
-    """Sightings in a row that contradicted its path."""
+    """Detections in a row that contradict its path."""
     pointer: Pointer | None = None
-    """As last published; None for a newcomer."""
+    """As last published; None for a new track."""
     path: tuple[Past, ...] = ()
     """Its tips, oldest first, at most `REMEMBERED`."""
     moved: Past | None = None
@@ -87,7 +87,7 @@ class Track:
 
 
 def predict(finger: Track, time_us: int) -> Prediction:
-    """Return where a finger should be: by its own path, for a newcomer by the tracker."""
+    """Return a finger's predicted place: by its own path, for a new track by its detection."""
     if not finger.path:
         return Prediction(finger.detection.tip_px, finger.direction, math.nan)
     tip = _moved(finger.path[-1].tip_px, _ahead(finger.path, time_us))
@@ -96,7 +96,7 @@ def predict(finger: Track, time_us: int) -> Prediction:
 
 
 def claim(finger: Track, time_us: int) -> Prediction | None:
-    """Return where the tracker sees a finger, None where it has not seen it for a while."""
+    """Return the detected place of a finger, None without a recent detection."""
     if not finger.path or time_us - finger.detection.time_us > CLAIM_US:
         return None
     tip, joint = finger.detection.tip_px, finger.detection.distal_px
@@ -104,9 +104,9 @@ def claim(finger: Track, time_us: int) -> Prediction | None:
 
 
 def is_there(finger: Track, claimed: Prediction, expected: Prediction, seen: Fingertip) -> bool:
-    """Say whether a tip lies where the tracker saw it, or as far off as the finger went since.
+    """Return whether a tip is at its detected place, or as far off as the finger moved since.
 
-    What is found farther off, about that place, is a knuckle or another finger.
+    A tip farther from that place is a knuckle or another finger.
     """
     then = was_at(finger.path, finger.detection.time_us) if finger.path else expected
     went_px = math.dist(expected.tip_px, then.tip_px)
@@ -119,10 +119,10 @@ def was_at(path: tuple[Past, ...], time_us: int) -> Past:
 
 
 def is_better(finger: Track, claimed: Fingertip, followed: Fingertip | None) -> bool:
-    """Say whether a finger is where the tracker claims rather than where its path went.
+    """Return whether the detected place is right rather than the one along the path.
 
-    A fingertip hangs below the knuckles of its hand: the lower of two places is believed at once,
-    one as low when the tracker insists, one higher up never.
+    A fingertip is below the knuckles of its hand: the lower of two places is accepted at once, one
+    as low after several detections, a higher one never.
     """
     if followed is None:
         return True
@@ -131,7 +131,7 @@ def is_better(finger: Track, claimed: Fingertip, followed: Fingertip | None) -> 
 
 
 def detection_at(finger: Track, expected: Prediction) -> Detection:
-    """Return the tracker's last word on a finger, moved to where it is expected now."""
+    """Return a finger's last detection, moved to its predicted place."""
     tip, joint = finger.detection.tip_px, finger.detection.distal_px
     back, (dx, dy) = math.dist(tip, joint), expected.direction
     place = expected.tip_px
@@ -144,7 +144,7 @@ def detection_at(finger: Track, expected: Prediction) -> Detection:
 
 
 def along(finger: Track, now: Past, followed: bool) -> Track:
-    """Return a finger with its tip in the present frame; `followed` along its path, or anew."""
+    """Return a finger with its tip in the present frame; `followed`: found along its path."""
     moved = finger.moved
     if moved is None or math.dist(moved.tip_px, now.tip_px) > MOVED_PX:
         moved = now
@@ -153,22 +153,22 @@ def along(finger: Track, now: Past, followed: bool) -> Track:
 
 
 def is_abandoned(finger: Track, time_us: int) -> bool:
-    """Say whether what was followed is no finger: it lies still, and the tracker sees none."""
+    """Return whether a track is an object: it is still and has no detection."""
     if finger.moved is None:
         return False
     believed_us = HELD_US if finger.debounce.contact.touching else LEFT_BEHIND_US
     return time_us - max(finger.detection.time_us, finger.moved.time_us) > believed_us
 
 
-def doubt(finger: Track, time_us: int) -> float:
-    """Return the factor for a finger that the tracker does not confirm where it is."""
+def tracker_confidence(finger: Track, time_us: int) -> float:
+    """Return the factor for a finger that the tracker does not confirm at its place."""
     if time_us - finger.detection.time_us > CLAIM_US:
-        return SILENT_CONFIDENCE
-    return ASTRAY_CONFIDENCE if finger.contradicted else 1.0
+        return UNDETECTED_CONFIDENCE
+    return ELSEWHERE_CONFIDENCE if finger.contradicted else 1.0
 
 
 def coast(finger: Track, time_us: int, settings: SensingSettings) -> Track | None:
-    """Return a finger that the present frame does not show as it was, or None after a while."""
+    """Return the track for a frame that does not show the finger, or None after a while."""
     pointer = finger.pointer
     if pointer is None or time_us - finger.shown_us > 1000.0 * settings.lost_after_ms:
         return None
@@ -177,7 +177,7 @@ def coast(finger: Track, time_us: int, settings: SensingSettings) -> Track | Non
 
 
 def _ahead(path: tuple[Past, ...], time_us: int) -> Pixel:
-    """Return how far a tip goes on from its last place at its last speed, px."""
+    """Return how far a tip moves from its last place at its last speed, px."""
     last, before = path[-1], path[max(len(path) - 2, 0)]
     steps = (time_us - last.time_us) / max(last.time_us - before.time_us, 1)
     steps = min(steps, GAP_FRAMES) if len(path) > 1 else 0.0
@@ -191,7 +191,7 @@ def _moved(place: Pixel, by: Pixel) -> Pixel:
 def changes(before: Track, now: Track | None) -> tuple[TouchEvent, ...]:
     """Return the event between two frames of one finger: at most one.
 
-    A finger that goes (`now` is None) while it touches owes an up: no touch sticks.
+    A finger that is lost (`now` is None) in a touch still gets its up.
     """
     touched = before.debounce.contact.touching
     touching = now is not None and now.debounce.contact.touching

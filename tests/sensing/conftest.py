@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-BACK_TO_THE_TRACKER = "test_a_finger_drawn_to_its_neighbour_goes_back_where_the_tracker_sees_it"
+BACK_TO_THE_TRACKER = "test_a_track_on_the_neighbour_goes_back_to_the_detected_finger"
 FAILS = {
     "test_above_the_halo_height_is_read_off_the_fingers_own_depth[350 mm-80.0]": (
         "label_pixels.BREADTH_PX"

@@ -1,4 +1,4 @@
-"""The depth of a dent is told by what shows of it, though the finger is found a little off."""
+"""The depth of a dent is read from its visible part, though the finger is found a little off."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_finger_found_a_little_off_reads_as_deep(
 
 
 @pytest.mark.parametrize("beside_mm", [-30.0, -4.5, 0.0])
-def test_what_lies_over_part_of_the_dent_or_is_unmeasured_is_left_out(
+def test_what_covers_part_of_the_dent_or_is_unmeasured_is_left_out(
     profile: Profile, beside_mm: float
 ) -> None:
     read = dent_under(segmentation(excess(beside_mm=beside_mm)), found((0.0, 2.0)), profile)
@@ -91,7 +91,7 @@ def test_a_hidden_dent_is_not_guessed(profile: Profile, at: tuple[float, float])
 
 
 @pytest.mark.parametrize("hidden_px", [12.0, 14.0])
-def test_a_rim_of_a_dent_tells_no_depth(profile: Profile, hidden_px: float) -> None:
+def test_a_rim_of_a_dent_gives_no_depth(profile: Profile, hidden_px: float) -> None:
     seen = excess()
     seen[np.hypot(COLUMNS - PAD_PX[0], ROWS - PAD_PX[1]) < hidden_px] = -40.0
     assert math.isnan(dent_under(segmentation(seen), found(), profile))
@@ -110,16 +110,16 @@ def held(profile: Profile) -> Profile:
 
 
 @pytest.mark.parametrize("beside_mm", [None, -14.0], ids=["free", "half hidden by a neighbour"])
-def test_a_tap_is_told_by_its_dent(
+def test_a_tap_is_detected_by_its_dent(
     held: Profile, see: Callable[..., Tracked], beside_mm: float | None
 ) -> None:
-    state, told = start(held, SensingSettings()), []
+    state, frames = start(held, SensingSettings()), []
     for n, deep_mm in enumerate([10, 10, 10, 24, 24, 24, 10, 10, 10]):
         depth = np.rint(500.0 + excess(deep_mm, beside_mm)).astype(np.uint16)
         frame = Frame(n * 33_333, depth, np.full((576, 640), 1000, np.uint16))
         seen, state = step(state, frame, see(time_us=n * 33_333))
-        told.append(seen)
-    assert [(n, e.kind) for n, frame in enumerate(told) for e in frame.events] == [
+        frames.append(seen)
+    assert [(n, e.kind) for n, frame in enumerate(frames) for e in frame.events] == [
         (3, "down"),
         (7, "up"),
     ]

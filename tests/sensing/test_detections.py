@@ -1,4 +1,4 @@
-"""The tracker's hands become the fingers that point, each hand once."""
+"""The tracker's hands become detections of extended fingers, each hand once."""
 
 from __future__ import annotations
 
@@ -65,5 +65,5 @@ def test_the_joint_lies_on_the_line_to_the_fingers_root(joint: int) -> None:
     assert detection.distal_px[0] == pytest.approx(detection.tip_px[0])
 
 
-def test_no_word_from_the_tracker_is_no_finger() -> None:
+def test_without_tracked_hands_there_is_no_finger() -> None:
     assert detections(None) == ()

@@ -96,7 +96,7 @@ def test_a_stroke_is_one_touch_however_fast(
 @pytest.mark.parametrize(
     ("high_mm", "within"), [(30.0, 2), (5.0, 5)], ids=["that is higher", "as low"]
 )
-def test_a_finger_drawn_to_its_neighbour_goes_back_where_the_tracker_sees_it(
+def test_a_track_on_the_neighbour_goes_back_to_the_detected_finger(
     table: DrawnTable, beside_mm: float, high_mm: float, within: int
 ) -> None:
     beside = (MIDDLE[0] + beside_mm, MIDDLE[1])
@@ -167,7 +167,7 @@ SLOW_US = 100_000
     ],
     ids=["rests", "left behind", "moves", "holds", "left pressing", "slides"],
 )
-def test_what_lies_still_and_is_seen_by_no_tracker_is_a_thing(
+def test_what_is_still_and_not_detected_is_an_object(
     run: Run, table: DrawnTable, dent: int, step_mm: float, seconds: float, stays: bool
 ) -> None:
     start_x = 70.5
@@ -185,7 +185,7 @@ def test_what_lies_still_and_is_seen_by_no_tracker_is_a_thing(
     assert kinds(frames) == (["up"] if dent == TOUCHES and not stays else [])
 
 
-def test_what_the_tracker_still_sees_may_rest_for_ever(run: Run, table: DrawnTable) -> None:
+def test_a_detected_finger_may_rest_without_end(run: Run, table: DrawnTable) -> None:
     scenes = [
         (TOUCHES if n > 2 else HOVERS, MIDDLE, table.hands(time_us=n * SLOW_US)) for n in range(130)
     ]

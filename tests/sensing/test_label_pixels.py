@@ -59,14 +59,14 @@ def test_neighbours_share_hand_and_halo(apart: int) -> None:
     assert left.halo[295, 300] and right.halo[305, 300 + apart]
 
 
-def test_a_finger_expected_too_far_out_takes_nothing_of_the_finger_beside() -> None:
+def test_a_finger_predicted_too_far_out_gets_no_pixel_of_its_neighbour() -> None:
     segmentation = segment(fingers((300, 330), (316, 300)), SensingSettings(), 8.0)
     places = [expected(300, 318), expected(316, 300)]
     own = in_image(pixels_of(segmentation, label_pixels(places, segmentation), 0, places[0]))
     assert not own.hand[300:325].any()
 
 
-def test_what_stands_far_above_a_fingertip_is_another_part_of_the_hand() -> None:
+def test_what_is_far_above_a_fingertip_is_another_part_of_the_hand() -> None:
     excess = fingers((300, 300))
     excess[280:320, 310:330] = -60.0
     segmentation = segment(excess, SensingSettings(), 8.0)

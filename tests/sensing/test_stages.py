@@ -61,7 +61,7 @@ def test_excess_is_depth_less_background_and_nothing_where_nothing_was_measured(
     ("excess_mm", "halo", "hand"),
     [(8.5, True, False), (8.0, False, False), (0.0, False, False), (-4.5, False, True)],
 )
-def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: bool) -> None:
+def test_segmentation_separates_halo_from_hand(excess_mm: float, halo: bool, hand: bool) -> None:
     segmentation = segment(np.full((1, 1), excess_mm, np.float32), SETTINGS, 8.0)
     assert (bool(segmentation.halo[0, 0]), bool(segmentation.hand[0, 0])) == (halo, hand)
 
@@ -71,14 +71,14 @@ def test_the_revealer_tells_halo_from_hand(excess_mm: float, halo: bool, hand: b
     [(320, 288, 1.0), (0, 0, 1.0), (639, 575, 1.0), (-12, 50, 60 / LEAST_FREE_PX), (-100, 50, 0.0)],
     ids=["inside", "top left corner", "bottom right corner", "almost outside", "outside"],
 )
-def test_what_is_left_of_a_patch_stands_for_all_of_it(x: float, y: float, share: float) -> None:
+def test_what_is_left_of_a_patch_is_scaled_to_all_of_it(x: float, y: float, share: float) -> None:
     segmentation = segment(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
     signal = extract(segmentation, tip_at(x, y))
     assert signal == pytest.approx(share * 10.0 * FREE_PX)
 
 
 @pytest.mark.parametrize("hidden", [slice(0, 0), slice(278, 283), slice(288, 298)])
-def test_what_a_hand_hides_of_a_halo_is_made_up_for(hidden: slice) -> None:
+def test_what_a_hand_hides_of_a_halo_is_compensated(hidden: slice) -> None:
     excess = np.full((576, 640), 10.0, np.float32)
     excess[hidden] = -30.0
     signal = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
@@ -173,7 +173,7 @@ def test_the_moment_of_contact_lies_between_the_frames() -> None:
 
 
 @pytest.mark.parametrize(
-    ("touches", "counts", "told"),
+    ("touches", "counts", "touching"),
     [
         ([1, 1, 0, 0], [1, 1, 1, 1], [1, 1, 1, 0]),
         ([1, 0, 1, 0, 0], [1, 1, 1, 1, 1], [1, 1, 1, 1, 0]),
@@ -181,18 +181,18 @@ def test_the_moment_of_contact_lies_between_the_frames() -> None:
         ([0, 0, 0], [0, 0, 0], [0, 0, 0]),
     ],
 )
-def test_debounce_believes_an_up_when_a_second_frame_agrees(
-    touches: list[int], counts: list[int], told: list[int]
+def test_debounce_accepts_an_up_when_a_second_frame_agrees(
+    touches: list[int], counts: list[int], touching: list[int]
 ) -> None:
     state, seen = Debounce(), []
-    for n, touching in enumerate(touches):
-        state = debounce(state, bool(touching), 0, n * FRAME_US)
+    for n, raw in enumerate(touches):
+        state = debounce(state, bool(raw), 0, n * FRAME_US)
         seen.append(state.contact)
     assert [contact.count for contact in seen] == counts
-    assert [int(contact.touching) for contact in seen] == told
+    assert [int(contact.touching) for contact in seen] == touching
 
 
-def test_an_up_that_was_doubted_tells_when_it_really_was() -> None:
+def test_a_delayed_up_has_the_time_of_its_first_frame() -> None:
     state = Debounce()
     for n, touching in enumerate([True, False, False]):
         state = debounce(state, touching, 10_000 if n == 1 else 0, n * FRAME_US)

@@ -74,20 +74,22 @@ def test_there_are_as_many_slots_as_fingers() -> None:
     assert [finger.slot for finger in fingers] == list(range(10))
 
 
-def test_a_finger_goes_on_as_it_went() -> None:
+def test_a_finger_is_predicted_at_its_last_speed() -> None:
     finger = live(100)[0]
     finger = replace(finger, path=(*finger.path, Past(11 * FRAME_US, (106.0, 300.0))))
     assert predict(finger, 12 * FRAME_US).tip_px == pytest.approx((112.0, 300.0), abs=0.01)
 
 
 @pytest.mark.parametrize(("off_px", "contradicted"), [(10.0, 0), (29.0, 0), (50.0, 1)])
-def test_a_sighting_far_off_its_path_contradicts_a_finger(off_px: float, contradicted: int) -> None:
+def test_a_detection_far_off_its_path_contradicts_a_finger(
+    off_px: float, contradicted: int
+) -> None:
     finger = associate(live(100), (detection(100 + off_px, 11),), 9)[0]
     assert finger.contradicted == contradicted
 
 
 @pytest.mark.parametrize(("age", "claimed"), [(0, True), (4, True), (6, False)])
-def test_an_old_sighting_claims_nothing(age: int, claimed: bool) -> None:
+def test_an_old_detection_gives_no_place(age: int, claimed: bool) -> None:
     finger = live(100)[0]
     assert (claim(finger, (10 + age) * FRAME_US) is not None) is claimed
 
@@ -103,7 +105,7 @@ def test_an_old_sighting_claims_nothing(age: int, claimed: bool) -> None:
     ],
     ids=["near", "a knuckle", "ahead, for it moves", "too far ahead", "of a slow tracker"],
 )
-def test_a_tip_far_from_the_trackers_word_is_not_taken_for_it(
+def test_a_tip_far_from_the_detection_is_another_finger(
     speed_px: float, late: int, off_px: float, there: bool
 ) -> None:
     finger = live(100)[0]
@@ -125,7 +127,7 @@ def test_two_pointers_on_one_finger_become_one() -> None:
     assert [finger.id for finger in kept] == [1]
 
 
-def test_a_finger_that_the_tracker_has_long_seen_elsewhere_is_let_go() -> None:
+def test_a_finger_that_is_detected_elsewhere_for_long_ends() -> None:
     fingers = live(100)
     assert [finger.id for finger in associate(fingers, (detection(400, 12),), 9)] == [1, 9]
     assert [finger.id for finger in associate(fingers, (detection(400, 30),), 9)] == [9]

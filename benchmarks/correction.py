@@ -1,8 +1,8 @@
 """How level the touch signal is over the area: `python benchmarks/correction.py [SEED ...]`.
 
-Calibrates on virtual rooms as a user does, then lays a finger down at 35 places of the area at
-natural angles, and prints how much its signal varies before and after the correction; and what
-interpolating on the grid costs in time and in accuracy.
+Calibrates on virtual rooms as a user does, then touches 35 places of the area at natural angles.
+It prints how much the signal varies before and after the correction, and what the interpolation on
+the grid costs in time and accuracy.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def main() -> int:
     for seed in [int(each) for each in sys.argv[1:]] or [1, 2, 3]:
         room = parse_sim_url(f"sim?seed={seed}").room
         profile = calibrated(room)
-        observed = laid_down(room, profile)
+        observed = touch_all_over(room, profile)
         raw = np.array([each.raw for each in observed])
         corrected = np.array([each.corrected for each in observed])
         print(
@@ -53,7 +53,7 @@ def main() -> int:
 
 
 def calibrated(room: Room) -> Profile:
-    """Do all steps on a room."""
+    """Run all steps in a room."""
     settings = Settings()
     profile = virtual_profile(room, settings)
     user = VirtualUser(room)
@@ -66,24 +66,24 @@ def calibrated(room: Room) -> Profile:
         base=choose_base("auto", user.camera.serial),
     )
     with ExitStack() as stack:
-        eyes = HandDetector(user.camera, profile, settings.tracking)
-        stack.callback(eyes.close)
+        detector = HandDetector(user.camera, profile, settings.tracking)
+        stack.callback(detector.close)
         user.follow(PROMPTS["sweep"])
         user.skip(SETTLE_S)
-        observer = Observer(profile, eyes.look, settings.sensing)
+        observer = Observer(profile, detector.look, settings.sensing)
         frames = session.lasting(SWEEP_S, "sweep")
         swept = watch_sweep(frames, session.wanted(SWEEP_S), observer, lambda seen: None)
         return sweep_change(setup, swept, profile)(profile)
 
 
-def laid_down(room: Room, profile: Profile) -> list[Observation]:
-    """Lay a finger down all over the area, at 25 g, without a wedge."""
+def touch_all_over(room: Room, profile: Profile) -> list[Observation]:
+    """Touch all over the area, at 25 g, without a wedge."""
     settings = Settings()
     sensor, rng, seen = Sensor(room, colour_times=2), np.random.default_rng(room.seed), []
     with ExitStack() as stack:
-        eyes = HandDetector(sensor.camera, profile, settings.tracking)
-        stack.callback(eyes.close)
-        observer = Observer(profile, eyes.look, settings.sensing)
+        detector = HandDetector(sensor.camera, profile, settings.tracking)
+        stack.callback(detector.close)
+        observer = Observer(profile, detector.look, settings.sensing)
         number = 0
         for x in np.linspace(30.0, 270.0, 7):
             for y in np.linspace(30.0, 170.0, 5):

@@ -1,8 +1,8 @@
-"""What sensing a frame costs by its fingers: `python benchmarks/sensing.py FOLDER`.
+"""The cost of sensing a frame by its number of fingers: `python benchmarks/sensing.py FOLDER`.
 
 FOLDER holds one user's recordings, from `halo evaluate --cache`: `pointing` shows one finger,
-`ten-fingers` two or, where every finger is a pointer, ten. Printed is the CPU time of a frame, and
-how many full-frame differences to the background the same machine makes in that time.
+`ten-fingers` two or, if every finger is a pointer, ten. It prints the CPU time of a frame, and how
+many full-frame differences to the background the same machine computes in that time.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CASES: tuple[tuple[str, Fingers, int], ...] = (
     ("ten-fingers", "index", 2),
     ("ten-fingers", "all", 10),
 )
-"""A take, which of its fingers are pointers, and how many that makes."""
+"""A recording, which fingers are pointers, and their number."""
 
 
 def main() -> int:
@@ -61,19 +61,19 @@ def costs(
     state, late = start(profile, settings), None
     steps, differences = [], []
     for frame, tracked in frames:
-        (told, state), seconds = timed(lambda s=state, f=frame, t=late: step(s, f, t))
+        (touch_frame, state), seconds = timed(lambda s=state, f=frame, t=late: step(s, f, t))
         late = tracked
-        if len(told.pointers) == count:
+        if len(touch_frame.pointers) == count:
             steps.append(seconds)
             _, seconds = timed(lambda f=frame: excess_depth(f.depth, profile.background))
             differences.append(seconds)
     if not steps:
-        raise SystemExit(f"no frame of the take shows {count} fingers")
+        raise SystemExit(f"no frame of the recording shows {count} fingers")
     return median(steps), median(differences)
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """Do it, and return how long this thread worked on it, s."""
+    """Run `work`; return its result and its CPU time in this thread, s."""
     began = time.thread_time()
     done = work()
     return done, time.thread_time() - began

@@ -1,9 +1,9 @@
-"""Whether infrared alone would do for the hand tracker: `python benchmarks/tracking.py [SIM ...]`.
+"""Is infrared alone enough for the hand tracker? `python benchmarks/tracking.py [SIM ...]`.
 
-Shows the same virtual takes to two trackers, one on the paper's blend of infrared and colour, one
-on the infrared alone. Prints how often each index finger is found, how far landmark 8 is from the
-true pad, and the CPU time of a look. The virtual hand's infrared is plainly shaded: what holds
-here may not hold of skin.
+Two trackers get the same virtual recordings, one as the paper's blend of infrared and colour, one
+as infrared alone. It prints how often each index finger is found, how far landmark 8 is from the
+true pad, and the CPU time of a frame. The virtual hand's infrared is plainly shaded, so the result
+may not hold for skin.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ SOURCES = (
 )  # fmt: skip
 OPENING_S, SECONDS = 3.5, 5.0
 NEAR_PX = 40.0
-"""A landmark farther off has found something else."""
+"""A landmark farther off is not this finger."""
 LANDMARK = 8
 Look = Callable[[Frame], Picture]
 Pixel = NDArray[np.float64]
 
 
-class Eye:
-    """One tracker, and how well it fares."""
+class TrackerScore:
+    """One tracker and its results."""
 
     def __init__(self, picture: Look, hands: int) -> None:
         self._picture = picture
@@ -52,10 +52,10 @@ class Eye:
         self.off_px: list[float] = []
 
     def see(self, frame: Frame, pads: list[Pixel]) -> None:
-        """Look at a frame whose true pads are known."""
-        began_s = time.process_time()
+        """Track one frame with its true pads."""
+        start_s = time.process_time()
         found = self.tracker.find(self._picture(frame), frame.time_us).hands
-        self.cpu_s += time.process_time() - began_s
+        self.cpu_s += time.process_time() - start_s
         self.wanted += len(pads)
         for pad in pads:
             off = [float(np.hypot(*(hand.landmarks_px[LANDMARK] - pad))) for hand in found]
@@ -64,45 +64,47 @@ class Eye:
 
 
 def main() -> int:
-    """Print two lines a take."""
+    """Print two lines a recording."""
     for source in sys.argv[1:] or SOURCES:
-        asked = parse_sim_url(source)
-        sensor = Sensor(asked.room)
+        request = parse_sim_url(source)
+        sensor = Sensor(request.room)
         shape = (sensor.camera.depth.height, sensor.camera.depth.width)
-        warp = ColourWarp(sensor.camera, np.full(shape, asked.room.camera_height_mm, np.float32))
-        hands = 2 if asked.scenario == "drumming" else 1
-        eyes = {name: Eye(picture, hands) for name, picture in pictures(warp).items()}
+        warp = ColourWarp(sensor.camera, np.full(shape, request.room.camera_height_mm, np.float32))
+        hands = 2 if request.scenario == "drumming" else 1
+        scores = {name: TrackerScore(picture, hands) for name, picture in pictures(warp).items()}
         count = round(SECONDS * FPS)
         with ExitStack() as stack:
-            for eye in eyes.values():
-                stack.callback(eye.tracker.close)
-            for frame, pads in film(asked, sensor, count):
-                for eye in eyes.values():
-                    eye.see(frame, pads)
-        for name, eye in eyes.items():
-            median, p95 = np.percentile(eye.off_px or [np.nan], (50, 95))
+            for score in scores.values():
+                stack.callback(score.tracker.close)
+            for frame, pads in simulate(request, sensor, count):
+                for score in scores.values():
+                    score.see(frame, pads)
+        for name, score in scores.items():
+            median, p95 = np.percentile(score.off_px or [np.nan], (50, 95))
             print(
-                f"{source:26} {name:14} found {len(eye.off_px) / eye.wanted:6.1%}  off "
-                f"{median:4.1f} px, p95 {p95:4.1f}  CPU {1000 * eye.cpu_s / count:5.1f} ms",
+                f"{source:26} {name:14} found {len(score.off_px) / score.wanted:6.1%}  off "
+                f"{median:4.1f} px, p95 {p95:4.1f}  CPU {1000 * score.cpu_s / count:5.1f} ms",
                 flush=True,
             )
     return 0
 
 
 def pictures(warp: ColourWarp) -> dict[str, Look]:
-    """The two ways to show a frame."""
+    """The two images of a frame."""
     return {
         "blend": lambda frame: blend(frame.ir, frame.colour, warp, frame.depth),
         "infrared alone": lambda frame: blend(frame.ir, None, warp, frame.depth),
     }
 
 
-def film(asked: SimRequest, sensor: Sensor, count: int) -> Iterator[tuple[Frame, list[Pixel]]]:
-    """Yield frames and where the pads of their index fingers truly are, px."""
-    acting, lens = start_scenario(asked.scenario, asked.room), sensor.camera.depth
+def simulate(
+    request: SimRequest, sensor: Sensor, count: int
+) -> Iterator[tuple[Frame, list[Pixel]]]:
+    """Yield frames and the true pads of their index fingers, px."""
+    scenario, lens = start_scenario(request.scenario, request.room), sensor.camera.depth
     first = round(OPENING_S * FPS)
     for index in range(first + count):
-        stage = acting.at(index / FPS)
+        stage = scenario.at(index / FPS)
         if index < first:
             continue
         drawn = sensor.frame(round(index / FPS * 1e6), stage.hands, stage.things)

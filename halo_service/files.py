@@ -1,6 +1,6 @@
 """Files that appear when they are complete, or not at all.
 
-Rule: what stands at a path before is the user's. A regular file is replaced by a complete one, a
+Rule: an existing file is the user's. A regular file is replaced by a complete one, a
 link is followed, and a pipe or device is written to; none of them is ever removed.
 """
 

@@ -30,8 +30,9 @@ from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
 
 Distortion = tuple[float, float, float, float, float, float, float, float]
-FRAMES = 4
-"""Of depth that are averaged; a calibration takes sixty."""
+FRAMES = 8
+"""Of depth that are averaged; a calibration takes thirty to sixty. Four leave a marker's tilt at
+1 m with 0.5 degrees of noise."""
 
 
 def room(height_mm=500.0, pitch_deg=0.0, yaw_deg=0.0, **fields) -> Room:

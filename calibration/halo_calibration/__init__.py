@@ -1,5 +1,5 @@
-"""The workshop: makes the profile that the service needs.
+"""Calibration: makes the profile that the service needs.
 
 Solvers are pure, arrays in and values out, and refuse what they cannot use (`Refused`). Steps
-feed them from any source, guided (a person is told what to do) or by a script (a recording).
+feed them from any source, guided (a person is prompted) or by a script (a recording).
 """

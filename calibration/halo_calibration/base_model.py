@@ -1,6 +1,6 @@
-"""Base models: what pilots taught about one camera's halo, kept as text.
+"""Base models: pilots' samples of one camera's halo, as text.
 
-The virtual sensor's is shipped beside this file. It describes a simulation, so it serves a real
+The virtual sensor's is in the same folder. It describes a simulation, so it serves a real
 camera only where the user names it, and then says so.
 """
 
@@ -59,7 +59,7 @@ def choose_base(wanted: str, camera_serial: str) -> Base | None:
 
 
 def read_base(path: Path) -> Base:
-    """Read a base model. Raises `UserError` for a file that is none."""
+    """Read a base model. Raises `UserError` for any other file."""
     try:
         head, name, serial, *rows = path.read_text(encoding="utf-8").splitlines()
         if head not in COLUMNS:

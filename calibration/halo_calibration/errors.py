@@ -6,7 +6,7 @@ from halo_service.errors import UserError
 
 NO_HALO = (
     "this surface shows no halo: mirrors, glass and other polished surfaces send the light away; "
-    "put paper, cloth or a wooden board there, and calibrate anew"
+    "put paper, cloth or a wooden board there, and calibrate again"
 )
 
 

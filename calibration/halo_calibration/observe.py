@@ -51,7 +51,7 @@ class Observation:
 
 
 class Observer:
-    """Looks at one frame after the other; keeps nothing but the device's drift."""
+    """Observes the index finger frame by frame; its only state is the depth drift."""
 
     def __init__(
         self, profile: Profile, look: Look, settings: SensingSettings, side: Side = Side.UNKNOWN
@@ -97,7 +97,7 @@ class Observer:
 def _line_pixels(segmentation: Segmentation, tip: Fingertip) -> int:
     """Count halo pixels on the line from the distal joint through the tip and just beyond it.
 
-    The paper (4.3.6) tells a height by them, so profiles keep them for those who do as it does. It
+    The paper (4.3.6) estimates the height from them, so profiles store them for its method. It
     follows the line between tip and joint; a halo is on the surface, so the same line is followed
     on past the tip, where surface is.
     """

@@ -1,4 +1,4 @@
-"""What calibration learnt of one place and user, and how it is kept."""
+"""What calibration measured of one place and user, and how it is stored."""
 
 from halo_service.profile.model import (
     Anchor,

@@ -1,6 +1,6 @@
 """A profile: the empty surface, where it lies, and how a finger's halo reads on it.
 
-Rule: frozen values. `store` keeps them on disk; the calibration makes them from measurements.
+Rule: frozen values. `store` writes them to disk; the calibration computes them from measurements.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Correction:
     """How strong a touch's halo is over place and angle, relative to where the states were held.
 
     A grid of the regressor's predictions (paper 4.3.4), so that sensing interpolates in
-    microseconds and needs no regressor; the samples are kept, so that it can be made anew.
+    microseconds and needs no regressor; the samples are stored, so that it can be fitted again.
     """
 
     x_mm: Floats
@@ -97,9 +97,9 @@ class Correction:
     """(x, y, pitch, yaw) expected signal over that at the calibration's place and angle."""
     samples: Floats
     """(N, 6) what the user swept: x and y in mm, pitch and yaw in degrees, raw signal in mm px,
-    dent in mm; nan where the dent was hidden or, in an older profile, not kept."""
+    dent in mm; nan where the dent was hidden or, in an older profile, not stored."""
     base: str
-    """Name of the base model it stands on; empty: the user's samples alone."""
+    """Name of its base model; empty: the user's samples only."""
     dent: Floats | None = None
     """(x, y) depth of a touch's dent over that at the calibration's place; None: not known."""
     dent_by_pitch: Floats | None = None
@@ -156,7 +156,7 @@ class Profile:
     surface: Surface
     background: Background
     touch: TouchStates | None
-    """For all fingers, unless `by_hand` knows better; None before the touch step was done."""
+    """For all fingers, unless `by_hand` has others; None before the touch step."""
     revision: int
     """Grows with every change."""
     by_hand: Mapping[Side, TouchStates] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""A profile as text and arrays: what stands in `profile.json`, and what in the files it names."""
+"""A profile as text and arrays: the content of `profile.json` and of the array files it names."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from halo_service.profile.serialization import ARRAYS, FORMAT, array_files, from
 
 TEXT = "profile.json"
 TRIES = 5
-"""A reader that meets a writer's cleaning-up reads anew; each time the text has to be newer."""
+"""A reader retries when a writer removes old files; each time the text has to be newer."""
 
 UNREADABLE = (
     LookupError,
@@ -38,7 +38,7 @@ UNREADABLE = (
     RuntimeError,
     OSError,
 )
-"""What reading a text can raise that somebody else wrote, or nobody: values, shapes, nesting."""
+"""What reading a damaged or foreign text can raise: values, shapes, nesting."""
 
 
 def profiles_path() -> Path:
@@ -72,7 +72,7 @@ def save(profile: Profile, folder: Path) -> None:
 
 
 def amend(folder: Path, change: Callable[[Profile | None], Profile]) -> Profile:
-    """Change a profile while nobody else does; its revision grows. Returns what was saved.
+    """Change a profile under its lock; its revision grows. Returns what was saved.
 
     `change`: the profile as it is (None: there is none yet) to what it shall be.
     """
@@ -112,7 +112,7 @@ def load(folder: Path) -> Profile:
     except UNREADABLE as error:
         raise UserError(
             f"the profile {folder} cannot be read ({error}); restore it, or remove it and "
-            f"calibrate anew"
+            f"calibrate again"
         ) from error
 
 
@@ -127,21 +127,21 @@ def require_fit(profile: Profile, camera: Camera) -> None:
         if not same:
             raise UserError(
                 f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
-                f"choose the profile made with this camera, or calibrate it anew"
+                f"choose the profile made with this camera, or calibrate again"
             )
 
 
 def require_touch(profile: Profile) -> None:
-    """Raise `UserError` for a profile that no touch can be told with."""
+    """Raise `UserError` for a profile without touch states."""
     if profile.touch is None:
         raise UserError(
-            f"the profile {profile.name} has no touch states, so no touch can be told with it: "
+            f"the profile {profile.name} has no touch states, so touches cannot be detected: "
             "run 'halo calibrate touch' with it"
         )
 
 
 def _same_lens(a: Lens, b: Lens) -> bool:
-    """Compare to what a calibration file keeps of a lens; it is not read back to the last bit."""
+    """Compare to the precision of a calibration file; it does not store the last bit."""
     return np.allclose(_numbers(a), _numbers(b), rtol=1e-6, atol=1e-9)
 
 
@@ -175,7 +175,7 @@ def _write(profile: Profile, folder: Path) -> None:
 
 
 def _holds(path: Path, content: bytes) -> bool:
-    """Its name tells what a file should hold; one that was damaged since is written anew."""
+    """A file's name is its content's hash; a damaged file is written again."""
     return path.is_file() and path.read_bytes() == content
 
 

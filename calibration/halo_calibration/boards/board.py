@@ -86,7 +86,7 @@ def _grid(first: int, columns: int, rows: int, step: float) -> dict[int, tuple[f
 
 
 SHEET = Printed("surface sheet", ARUCO, 45.0, _grid(50, 4, 3, 62.0))
-"""Twelve markers for the middle of A4 and of Letter, both laid across. 45 mm are 27 px of the
+"""Twelve markers for the middle of A4 and of Letter, both in landscape. 45 mm are 27 px of the
 colour picture from 1 m, so that each of the six squares along a side is 4 px wide. The numbers 50
 to 61 are in no projected board."""
 

@@ -69,7 +69,7 @@ def _printed(grey: Picture, board: Printed) -> DetectedBoard:
     quads, ids, _ = detector.detectMarkers(grey)
     found: dict[int, Points] = {}
     for quad, marker in zip(quads, [] if ids is None else ids.ravel().tolist(), strict=True):
-        # A number that is seen twice is on two things, and nobody knows which is ours.
+        # A number that is seen twice is on two things: neither can be trusted.
         found[marker] = np.empty((0, 2)) if marker in found else _refined(grey, quad[0], family)
     known = [marker for marker in board.middles_mm if len(found.get(marker, ())) == 4]
     nothing = [np.empty((0, 2))]

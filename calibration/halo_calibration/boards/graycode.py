@@ -1,4 +1,4 @@
-"""Gray code: stripes that tell each pixel of the camera which pixel of the projector lights it.
+"""Gray code: stripes that encode for each camera pixel which projector pixel lights it.
 
 Rule: pictures in, pixels out. Every stripe picture is shown with its inverse, so that neither the
 surface's pattern nor the room's light matters: a dim room, where markers drown, is good enough.
@@ -24,7 +24,7 @@ STRIPE_PX = 4
 """The narrowest difference that is coded. The lights of thousands of pixels are averaged by the
 fit, so finer stripes, which a 720p camera cannot see, would win nothing."""
 UNSURE = 0.1
-"""Of white less black: a smaller difference between a picture and its inverse tells nothing."""
+"""Of white less black: a smaller difference between a picture and its inverse is noise."""
 LEAST_LIGHT = 12.0
 """Grey levels of white less black: six times the camera's noise."""
 STEP_PX = 4
@@ -127,6 +127,6 @@ def _why(white: NDArray[np.float32], black: NDArray[np.float32]) -> str:
             "dim the lamp, and try again"
         )
     return (
-        "the stripes cannot be told apart: show each picture full screen until the camera has "
+        "the stripes cannot be separated: show each picture full screen until the camera has "
         "seen it, focus the projector, let nothing move, and try again"
     )

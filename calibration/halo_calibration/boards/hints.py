@@ -18,7 +18,7 @@ LEAST_SHARE = 0.6
 """Of a sheet's markers: with half of them hidden, the other half's far edge is guessed."""
 LEAST_CORNERS = 8
 """Of a projected board: twice what its homography needs. How much of the surface they cover is
-judged where that is known."""
+checked where that is known."""
 MIRRORED = 3
 """So many more points in the mirrored picture are no accident."""
 WHITE, WHITE_SHARE = 250, 0.02

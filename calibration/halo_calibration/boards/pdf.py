@@ -1,7 +1,7 @@
 """Pages of rectangles, lines and text at true scale, as PDF.
 
 Rule: values in, bytes out; same values, same bytes. A page of black squares and Helvetica is a
-few lines of text in that format, so no library is asked for: whoever prints a sheet has it.
+few lines of text in that format, so no library is needed.
 Places are mm from the page's top left corner, y down.
 """
 
@@ -15,7 +15,7 @@ PT_PER_MM = 72.0 / 25.4
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """One page, drawn as it is told."""
+    """One page with its drawing commands."""
 
     width_mm: float
     height_mm: float
@@ -50,7 +50,7 @@ class Page:
 
 
 def document(title: str, pages: Sequence[Page]) -> bytes:
-    """Bind pages. Viewers are asked to print them at 100 %."""
+    """Bind pages. They ask viewers to print at 100 %."""
     first = 5
     kids = " ".join(f"{first + 2 * n} 0 R" for n in range(len(pages)))
     objects = [

@@ -1,7 +1,7 @@
 """The printable sheets, true to scale on A4 and Letter: the surface's, the anchor's, first light's.
 
 Rule: what a sheet shows lies around the page's middle, with a ruler to check the print and a
-sentence how to print it. So two sheets laid edge on edge have one middle.
+sentence how to print it. So two sheets with their edges aligned have one middle.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from halo_calibration.boards.board import ANCHOR, SHEET, Printed, marker_squares
 from halo_calibration.boards.pdf import Page, document
 
 PAPERS_MM = {"a4": (297.0, 210.0), "letter": (279.4, 215.9)}
-"""Laid across."""
+"""Landscape."""
 RULER_MM = 100
 RULER_X_MM = 14.0
 """From the left edge: printers leave out up to 6 mm, and markers want a square of white."""

@@ -1,6 +1,6 @@
-"""GuidedCalibration calibration: a person is told what to do, sees the signal, and may try again.
+"""Guided calibration: a person is prompted, sees the signal, and may try again.
 
-Rule: the order of things and the words. What is seen becomes a profile in `steps`.
+Rule: order and prompts only. What is seen becomes a profile in `steps`.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ PROMPTS = {
 
 
 class Guide(Protocol):
-    """How the person is told: a terminal, or nobody."""
+    """How the person is prompted: a terminal, or a test."""
 
-    def tell(self, cue: Prompt) -> None:
+    def prompt(self, prompt: Prompt) -> None:
         """Say what to do now."""
 
     def say(self, words: str) -> None:
@@ -104,7 +104,7 @@ class GuidedCalibration:
         look = self._look_with(None)
 
         def attempt() -> Change:
-            self.guide.tell(PROMPTS["background"])
+            self.guide.prompt(PROMPTS["background"])
             for _ in self.timed("background", READY_S):
                 self.guide.live(self.left_s, False, None)
             frames = []
@@ -142,11 +142,11 @@ class GuidedCalibration:
         return self.until_good(attempt)
 
     def swept(
-        self, cue: Prompt, seconds: float, observer: Observer, profile: Profile
+        self, prompt: Prompt, seconds: float, observer: Observer, profile: Profile
     ) -> SweepObservations:
         """Let the person sweep once, with the live map of what is covered."""
-        self.guide.tell(cue)
-        self._ready(cue.name, observer)
+        self.guide.prompt(prompt)
+        self._ready(prompt.name, observer)
         seen: list[Observation] = []
 
         def watch(observation: Observation | None) -> None:
@@ -155,16 +155,16 @@ class GuidedCalibration:
             self.guide.map(draw_map(covered(samples_of(seen), profile.surface)))
             self.guide.live(self.left_s, True, observation)
 
-        frames = self.timed(cue.name, seconds)
+        frames = self.timed(prompt.name, seconds)
         return steps.watch_sweep(frames, self.session.wanted(seconds), observer, watch)
 
     def observer(self, profile: Profile) -> Observer:
-        """Return an observer that stands on a profile's background."""
+        """Return an observer for a profile's background."""
         setup = self.setup
         return Observer(profile, self._look_with(profile), setup.settings, setup.side)
 
     def _held(self, state: str, observer: Observer) -> HoldObservations:
-        self.guide.tell(PROMPTS[state])
+        self.guide.prompt(PROMPTS[state])
         self._ready(state, observer)
         wanted = self.session.wanted(self._hold_s)
 

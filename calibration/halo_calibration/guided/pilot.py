@@ -1,4 +1,4 @@
-"""Pilots: what a few people's sweeps at five wedge angles teach about a camera's halo (4.3.4)."""
+"""Pilots: base models from a few people's sweeps at five wedge angles (4.3.4)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WEDGE_DEG = 45.0
 NEAR_DEG = 20.0
 """A pitch read farther from the wedge's was read off something else."""
 LEAST_SAMPLES = 40
-"""Of one angle; steep fingers are lost often, and fewer teach nothing."""
+"""Of one angle; steep fingers are lost often, and fewer are not used."""
 
 
 def pilot_rounds(
@@ -58,7 +58,7 @@ def usable(samples: Samples, angle_deg: float) -> Samples:
 def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> Samples:
     """Make one pilot's rounds comparable to another's: (N, 6), relative to the level at 45.
 
-    Raises `Refused` where the wedge's own angle taught nothing.
+    Raises `Refused` where the wedge's own angle has too few samples.
     """
     wedge = [samples for angle, samples in rounds if angle == WEDGE_DEG]
     level = np.concatenate(wedge)[:, 4:] if wedge else np.empty((0, 2))
@@ -67,8 +67,8 @@ def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> 
             f"only {len(level)} usable frames came at {WEDGE_DEG:.0f} degrees: keep the finger "
             f"on the wedge and its tip on the surface, and run the pilot again"
         )
-    taught = [samples for _, samples in rounds if len(samples) >= LEAST_SAMPLES]
-    return relative(np.concatenate(taught), surface, _medians(level))
+    usable_rounds = [samples for _, samples in rounds if len(samples) >= LEAST_SAMPLES]
+    return relative(np.concatenate(usable_rounds), surface, _medians(level))
 
 
 def merged(name: str, camera_serial: str, pilots: Sequence[Samples]) -> Base:

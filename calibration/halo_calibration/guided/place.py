@@ -1,7 +1,7 @@
-"""GuidedCalibration steps that tell where things are: surface and anchor.
+"""Guided steps for places: surface and anchor.
 
-Rule: as `guided`: the order of things and the words. Something is laid or shown, the camera looks
-at it for a second, and what it saw is judged.
+Rule: order and prompts only, as in `guide`. A sheet is placed or a board shown, the camera
+looks at it for a second, and the images are checked.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from halo_service.values import Frame
 LOOK_S = 1.0
 """How long the camera looks at a board: the mean of 30 pictures has a fifth of one's noise."""
 LOOK_EVERY = 10
-"""Every tenth frame of a count-down is searched for the board, to tell what is seen of it."""
+"""Every tenth frame of a count-down is searched for the board, to report what is seen."""
 TOUCH_S = 30.0
 """Patience with the touches of one corner or cross."""
 
@@ -39,15 +39,15 @@ class GuidedPlace:
         self._guided = guided
 
     def sheet(self, profile: Profile, width_mm: float, height_mm: float) -> Change:
-        """Lay the surface around the printed sheet."""
-        cue = Prompt(
+        """Place the surface around the printed sheet."""
+        prompt = Prompt(
             "sheet",
-            "SHEET: lay the printed surface sheet flat in the middle of your area, its upper edge "
+            "SHEET: put the printed surface sheet flat in the middle of your area, its upper edge "
             "away from you, and take your hands away.",
             board=SHEET,
         )
         return self._printed(
-            cue,
+            prompt,
             SHEET,
             lambda frames: place_steps.sheet_change(
                 self._guided.setup, frames, profile, width_mm, height_mm
@@ -56,21 +56,21 @@ class GuidedPlace:
 
     def marker(self, profile: Profile, marker: Printed) -> Change:
         """Take the pose of a printed marker."""
-        cue = Prompt(
+        prompt = Prompt(
             "marker",
             f"MARKER: fix {marker.name} where it shall stay, in the camera's view, and take your "
             f"hands away.",
             board=marker,
         )
         return self._printed(
-            cue,
+            prompt,
             marker,
             lambda frames: place_steps.anchor_change(self._guided.setup, frames, profile, marker),
         )
 
     def corners(self, profile: Profile) -> Change:
         """Lay the surface between four touched corners."""
-        cues = [
+        prompts = [
             Prompt(
                 "corner",
                 f"CORNER: touch the {name} corner of your area with the index finger, rest there "
@@ -81,37 +81,37 @@ class GuidedPlace:
         ]
         return self._guided.until_good(
             lambda: place_steps.corners_change(
-                self._guided.setup, self.touched(cues, profile), profile
+                self._guided.setup, self.touched(prompts, profile), profile
             )
         )
 
     def _printed(
-        self, cue: Prompt, board: Printed, judge: Callable[[Sequence[Frame]], Change]
+        self, prompt: Prompt, board: Printed, solve: Callable[[Sequence[Frame]], Change]
     ) -> Change:
         def attempt() -> Change:
-            self._guided.guide.tell(cue)
-            self.ready(cue.name, board)
-            return judge(list(self._guided.timed(cue.name, LOOK_S)))
+            self._guided.guide.prompt(prompt)
+            self.ready(prompt.name, board)
+            return solve(list(self._guided.timed(prompt.name, LOOK_S)))
 
         return self._guided.until_good(attempt)
 
     def touched(
         self,
-        cues: Sequence[Prompt],
+        prompts: Sequence[Prompt],
         profile: Profile,
         before: Callable[[int], None] = lambda number: None,
     ) -> list[list[Place]]:
-        """Take three touches for each cue; those of one that differ are asked for again at once."""
+        """Record three touches per prompt; if they differ, the prompt is repeated at once."""
         observer = self._guided.observer(profile)
         # One for all: it remembers a finger that still rests on the mark before.
         dwells = dwells_for(profile, self._guided.setup.camera.fps)
 
         def one(number: int) -> list[Place]:
             before(number)
-            cue = cues[number]
-            self._guided.guide.tell(cue)
+            prompt = prompts[number]
+            self._guided.guide.prompt(prompt)
             places: list[Place] = []
-            for frame in self._guided.timed(cue.name, TOUCH_S):
+            for frame in self._guided.timed(prompt.name, TOUCH_S):
                 seen = observer.see(frame)
                 self._guided.guide.live(self._guided.left_s, True, seen)
                 place = dwells.take(seen)
@@ -125,19 +125,19 @@ class GuidedPlace:
 
         return [
             self._guided.until_good(lambda n=number: one(n))  # type: ignore[misc]
-            for number in range(len(cues))
+            for number in range(len(prompts))
         ]
 
     def ready(self, during: str, board: Board) -> None:
-        """Count down, and tell what is seen of a board."""
+        """Count down, and show how much of a board is seen."""
         words = "looking"
         for number, frame in enumerate(self._guided.timed(during, READY_S)):
             if number % LOOK_EVERY == 0:
-                words = _told(frame, self._guided.setup.camera, board)
+                words = _board_status(frame, self._guided.setup.camera, board)
             self._guided.guide.live(self._guided.left_s, False, words)
 
 
-def _told(frame: Frame, camera: Camera, board: Board) -> str:
+def _board_status(frame: Frame, camera: Camera, board: Board) -> str:
     """Say what of a board one frame shows."""
     view = sheet_view([frame], camera)
     seen = detect(view.picture, board)

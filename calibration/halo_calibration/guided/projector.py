@@ -1,6 +1,6 @@
-"""The projector, guided: it shows a board, stripes or crosses, and the camera looks at them.
+"""The guided projector step: it shows a board, stripes or crosses, and the camera looks at them.
 
-Rule: as `guided`: the order of things and the words.
+Rule: order and prompts only, as in `guide`.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Screen(Protocol):
 
     @property
     def changes(self) -> bool:
-        """Whether a picture is on the table at once; else somebody has to see to it."""
+        """Whether a picture appears on the table at once; else the user has to show it."""
 
     def show(self, picture: Picture) -> None:
         """Show a (height, width, 3) BGR picture from now on."""
@@ -107,14 +107,14 @@ class GuidedProjector:
         is not."""
         board = Projected(*self._screen.size_px)
         self._screen.show(_coloured(board.picture()))
-        self._guided.guide.tell(Prompt("board", words))
+        self._guided.guide.prompt(Prompt("board", words))
         self._place.ready("board", board)
         self._find_exposure(board)
         return board
 
     def _by_crosses(self, profile: Profile) -> Change:
         places = crosses(*self._screen.size_px)
-        cues = [
+        prompts = [
             Prompt(
                 "cross",
                 f"CROSS: touch the {name} cross in its middle with the index finger, rest there "
@@ -130,7 +130,7 @@ class GuidedProjector:
             if self._screen.changes:
                 self._screen.show(crosses_picture(self._screen.size_px, places, number))
 
-        touches = self._place.touched(cues, profile, lit)
+        touches = self._place.touched(prompts, profile, lit)
         return place_steps.crosses_change(
             self._guided.setup, touches, profile, self._screen.size_px
         )
@@ -147,7 +147,7 @@ class GuidedProjector:
     def _find_exposure(self, board: Projected) -> None:
         """Fix the exposure at which most of the board is read, and least is blown out."""
         if self._expose is None:
-            self._guided.guide.say("This source's exposure cannot be set; it is taken as it is.")
+            self._guided.guide.say("This source's exposure cannot be set; it stays as it is.")
             return
         best: tuple[int, float] | None = None
         chosen = EXPOSURES_MS[0]

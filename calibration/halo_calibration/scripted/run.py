@@ -16,7 +16,7 @@ from halo_service.profile import Profile
 
 
 class ScriptedCalibration:
-    """Does all that a script names, anew."""
+    """Runs all steps of a script."""
 
     def __init__(
         self,
@@ -34,9 +34,9 @@ class ScriptedCalibration:
         self._observer: Observer | None = None
 
     def run(self, lines: tuple[ScriptStep, ...], profile: Profile | None = None) -> Profile:
-        """Return the profile; `profile` is what is kept where the script says nothing.
+        """Return the profile; `profile` provides what the script does not calibrate.
 
-        Raises `Refused` with the first sentence that applies.
+        Raises `Refused` with the first error.
         """
         self._setup = replace(
             self._setup, state_values=state_values_in(lines, self._setup.state_values)
@@ -57,11 +57,11 @@ class ScriptedCalibration:
             known = steps.require(profile, step)
             change = place_change(setup, line, frames, known, self._observer_for)
             if step == "surface":
-                self._observer = None  # it told places in the old frame
+                self._observer = None  # its places are in the old frame
         elif step in STATES:
             known = steps.require(profile, step)
             held = steps.watch_hold(step, frames, wanted, self._observer_for(known), _ignore)
-            check_hold(held)  # refused at once where it is no good
+            check_hold(held)  # refused at once if it is not good
             self._helds[step] = held
             if len(self._helds) < len(STATES):
                 return known
@@ -83,4 +83,4 @@ class ScriptedCalibration:
 
 
 def _ignore(observation: Observation | None) -> None:
-    """Nobody watches a recording."""
+    """A recording has no live display."""

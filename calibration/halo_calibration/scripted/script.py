@@ -29,7 +29,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "pressure": ("force_g",),
     "sweep": ("force_g",),
 }
-"""The steps a script may name, and what each may say beside its times."""
+"""The steps a script may name, and its fields in addition to the times."""
 WORDS: dict[tuple[str, str], tuple[str, ...]] = {
     ("surface", "by"): ("view", "markers", "touch"),
     ("projector", "by"): ("markers", "gray", "touch"),
@@ -61,7 +61,7 @@ def read_script(path: Path) -> tuple[ScriptStep, ...]:
 
 
 def parse_script(data: Any, name: str) -> tuple[ScriptStep, ...]:
-    """Check a script's content; `name` stands in the errors."""
+    """Check a script's content; `name` appears in the errors."""
     if not isinstance(data, list) or not data:
         raise UserError(f'the script {name} must be a list of steps: [{{"step": ...}}, ...]')
     lines = sorted((_line(each, name) for each in data), key=lambda line: line.from_s)

@@ -1,6 +1,6 @@
 """The pose of a printed marker, for whoever else sees it. Pure.
 
-Rule: four corners tell a marker's turn and place well, and its tilt and distance badly. So those
+Rule: four corners give a marker's rotation and place well, its tilt and distance badly. So those
 come from a plane: the surface's own where the marker lies on it, else the one that its depth
 shows. Depth is taken where the marker is white, for what is dark reads at another distance; and
 the device's own unevenness, which the background shows at the same pixels, is taken off.
@@ -29,13 +29,13 @@ from halo_service.values import Depth
 LIES_MM, LIES_DEG = 1.5, 1.5
 """A marker that is no higher and no more tilted lies on the surface: a sheet of paper does."""
 SIZE_ERROR = 0.03
-"""Measured over stated size; a printer's error and the camera's together stay below 2 %."""
+"""Measured over given size; a printer's error and the camera's together stay below 2 %."""
 FLAT_MM = 1.5
 """Its corners lie on a square, root mean square."""
 INNER = 0.7
 """Of each white square where its depth is taken: edges are mixed with what is dark or behind."""
 LEAST_PX = 150
-"""Depth pixels on the marker's white, of which a plane's tilt is known to half a degree."""
+"""Depth pixels on the marker's white, enough for a plane's tilt to half a degree."""
 LEAST_MEASURED = 0.5
 """Of these."""
 ROUNDS = 3
@@ -52,7 +52,7 @@ class Anchored:
     error_mm: float
     """Root mean square of its corners."""
     scale: float
-    """Measured over stated size."""
+    """Measured over given size."""
     height_mm: float
     """Of its middle above the surface, by depth."""
     tilt_deg: float
@@ -109,7 +109,7 @@ def _require_true(scale: float, error_mm: float, marker: Printed) -> None:
     if abs(scale - 1.0) > SIZE_ERROR:
         raise Refused(
             f"the {marker.name} measures {scale * marker.size_mm:.1f} mm and not the "
-            f"{marker.size_mm:g} mm stated: give the size of its black square, or print it at "
+            f"{marker.size_mm:g} mm given: give the size of its black square, or print it at "
             f"100 %, and try again"
         )
     if error_mm > FLAT_MM:

@@ -1,4 +1,4 @@
-"""A surface's frame is laid anew on the same plane: what was said in the old one moves along."""
+"""Change the surface's frame on its plane: everything expressed in the old frame is transformed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def moved_to(profile: Profile, surface: Surface, base: Base | None) -> Profile:
     """Return the profile with another surface on its plane.
 
     Places and directions of the touches and of the sweep, the projector and the anchor keep
-    where they are on the table. `base`: what the correction is fitted on anew, where it is kept.
+    where they are on the table. `base`: what the correction is fitted on again, where it is kept.
     """
     old_from_new = np.linalg.inv(profile.surface.camera_from_surface) @ surface.camera_from_surface
     new_from_old = np.linalg.inv(old_from_new)
@@ -53,12 +53,12 @@ def _fitted(
     samples[:, 3] += _turn_deg(new_from_old)
     held = profile.touch.touch
     at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-    anew = solve_correction(profile.surface, base, samples, at)
+    refitted = solve_correction(profile.surface, base, samples, at)
     return replace(
         profile,
-        correction=anew,
-        touch=corrected(profile.touch, anew),
-        by_hand={side: corrected(each, anew) for side, each in profile.by_hand.items()},
+        correction=refitted,
+        touch=corrected(profile.touch, refitted),
+        by_hand={side: corrected(each, refitted) for side, each in profile.by_hand.items()},
     )
 
 

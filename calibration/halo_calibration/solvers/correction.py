@@ -30,7 +30,7 @@ YAW_DEG = (-60.0, 60.0)
 HELD_OUT = 5
 """Every fifth block of samples judges a fit made without it: the paper's 8:2."""
 BLOCK = 15
-"""Samples in a block: half a second, so that neighbours in time do not judge each other."""
+"""Samples in a block: half a second, so that neighbours in time do not test each other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +39,7 @@ class Base:
 
     name: str
     camera_serial: str
-    """The camera they were taken with; it serves no other unless told to."""
+    """The camera they were taken with; used for others only on request."""
     relative: Samples
     """(N, 6): x and y from the surface's middle in mm, pitch and yaw in degrees, signal and dent
     over the pilot's own medians at 45 degrees; nan where the dent was hidden."""
@@ -99,7 +99,7 @@ def solve_correction(
     shape = tuple(len(axis) for axis in axes)
     expected = model.expect(grid).reshape(shape)
     here = _Grid(axes, expected).at(np.array([[at.x_mm, at.y_mm, at.pitch_deg, at.yaw_deg]]))[0]
-    kept = np.empty((0, 6)) if samples is None else samples
+    known = np.empty((0, 6)) if samples is None else samples
     pilots = np.empty((0, 6)) if base is None else base.relative
     x_mm, y_mm, pitch_deg, yaw_deg = (axis.astype(np.float32) for axis in axes)
     return Correction(
@@ -108,9 +108,9 @@ def solve_correction(
         pitch_deg,
         yaw_deg,
         strength=(expected / here).astype(np.float32),
-        dent=by_place(kept, axes[0], axes[1], (at.x_mm, at.y_mm)).astype(np.float32),
+        dent=by_place(known, axes[0], axes[1], (at.x_mm, at.y_mm)).astype(np.float32),
         dent_by_pitch=by_pitch(pilots, axes[2], at.pitch_deg).astype(np.float32),
-        samples=kept.astype(np.float32),
+        samples=known.astype(np.float32),
         base="" if base is None else base.name,
     )
 
@@ -120,8 +120,10 @@ def cross_validate(surface: Surface, base: Base | None, samples: Samples) -> Fit
     block = np.arange(len(samples)) // BLOCK
     out = block % HELD_OUT == HELD_OUT - 1
     model = Model(surface, base, samples[~out])
-    judged = samples[out]
-    return Fit(_variation(judged[:, 4]), _variation(judged[:, 4] / model.expect(judged[:, :4])))
+    held_out = samples[out]
+    return Fit(
+        _variation(held_out[:, 4]), _variation(held_out[:, 4] / model.expect(held_out[:, :4]))
+    )
 
 
 def relative(samples: Samples, surface: Surface, level: tuple[float, float]) -> Samples:

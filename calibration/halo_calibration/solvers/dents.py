@@ -1,8 +1,8 @@
 """From sweeps to how deep a touch's dent is over place and pitch. Pure.
 
-The dent is smooth, and its depth tells touch and force: one per cent of it is twenty grams. A
+The dent is smooth, and its depth gives touch and force: one per cent of it is twenty grams. A
 regressor's steps are larger than that, so smooth curves are fitted: over the place from the user's
-own sweep, over the pitch, of which the wedge teaches one alone, from the base model.
+own sweep, over the pitch, where the wedge covers one value only, from the base model.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PER_MM, PER_DEG = 0.01, 0.05
 ROUNDS, OUTLIER_SIGMAS = 4, 3.0
 """A sample that lies farther off than this is left out of the next round: a misread finger."""
 LEAST_SAMPLES = 100
-"""Fewer tell no curve: three seconds of a sweep."""
+"""Fewer give no curve: three seconds of a sweep."""
 MOST_CHANGE = 1.5
 """No dent is corrected by a larger factor: beyond it the samples are wrong."""
 KNOWN_PITCH_DEG = (30.0, 60.0)
@@ -29,7 +29,7 @@ KNOWN_PITCH_DEG = (30.0, 60.0)
 
 
 def by_place(samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, float]) -> Floats:
-    """Return the (x, y) grid of a touch's dent over that at a place; ones where too little is told.
+    """Return the (x, y) grid of a touch's dent over that at a place; ones for too few samples.
 
     Beyond where the finger was drawn, the edge goes on.
     """
@@ -49,7 +49,7 @@ def by_place(samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, floa
 
 
 def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
-    """Return a touch's dent at pitches over that at one of them; ones where too little is told.
+    """Return a touch's dent at pitches over that at one of them; ones for too few samples.
 
     `samples`: of a base model.
     """
@@ -61,7 +61,7 @@ def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
         slant = (np.clip(pitches, *KNOWN_PITCH_DEG) - 45.0) * PER_DEG
         return np.column_stack([slant**n for n in range(1, ORDER + 1)])
 
-    # The place is fitted beside it, so that it does not pass for pitch.
+    # The place is fitted at the same time, so that it does not pass for pitch.
     weights = _fitted(
         np.column_stack([_plane(seen[:, :2] * PER_MM), terms(seen[:, 2])]), np.log(seen[:, 5])
     )[-ORDER:]
@@ -81,11 +81,11 @@ def _plane(places: Floats) -> Floats:
 
 def _fitted(terms: Floats, values: Floats) -> Floats:
     """Return the weights of the terms, by least squares without what lies far off."""
-    kept = np.ones(len(values), np.bool_)
+    inliers = np.ones(len(values), np.bool_)
     for _ in range(ROUNDS):
-        weights = np.linalg.lstsq(terms[kept], values[kept], rcond=None)[0]
+        weights = np.linalg.lstsq(terms[inliers], values[inliers], rcond=None)[0]
         off = np.abs(values - terms @ weights)
-        kept = off < OUTLIER_SIGMAS * 1.4826 * np.median(off[kept]) + 1e-6
+        inliers = off < OUTLIER_SIGMAS * 1.4826 * np.median(off[inliers]) + 1e-6
     return np.asarray(weights)
 
 

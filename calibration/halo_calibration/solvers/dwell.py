@@ -1,7 +1,7 @@
-"""Touches at places that were asked for, by a finger whose halo nobody knows yet. Pure.
+"""Touches at prompted places, before the finger's halo is calibrated. Pure.
 
-A finger that comes down where it was asked to stays there: it stands still for a moment, and the
-surface around it shows a halo. That it was lifted in between tells one touch from the next.
+A finger that touches a prompted place stays there: it is still for a moment, and the
+surface around it shows a halo. A lift separates one touch from the next.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from halo_calibration.solvers.touch import NO_HALO_MM_PX
 from halo_service.profile import Profile
 
 STILL_S = 0.4
-"""A finger stands still at the end of a tap for less than that; chosen."""
+"""A finger is still at the end of a tap for less than that; chosen."""
 STILL_MM = 3.0
 """All of its places in that time lie this near to their middle: the fingertip is found to 2 mm."""
 LEAST_SEEN = 0.7

@@ -1,4 +1,4 @@
-"""A homography from points that are known on both sides, and a judgement of it. Pure.
+"""A homography from point pairs, and its quality. Pure.
 
 Rule: robust first, exact then, refused where the points do not say enough: too many contradict,
 they lie in a line, or show a mirrored picture.
@@ -21,13 +21,13 @@ from halo_service.profile import Projector
 from halo_service.values import Pixels
 
 LEAST_INLIERS = 0.7
-"""Of the points: below, nobody knows which of them are right."""
+"""Share of inliers; below it, the inliers cannot be trusted."""
 THIN = 0.1
 """Width over length of a cloud of points below which they are in a line."""
 LIT = 0.1
 """Of the surface, which the pattern must light at least."""
 ROUNDS = 3
-"""Of least squares on those who agree; it stands still after two."""
+"""Of least squares on the inliers; it converges after two."""
 DOF = 4
 """Points that a homography fits whatever they are."""
 
@@ -98,7 +98,7 @@ def solve(
 def _robust(
     here: Points, there: Pixels, outlier_px: float
 ) -> tuple[Points | None, NDArray[np.bool_]]:
-    """(3, 3) homography with last element 1, and which of the points it stands on."""
+    """(3, 3) homography with last element 1, and which points are inliers."""
     # MAGSAC++ finds who agrees, with a seed of its own that never changes; it knows no mirrors.
     # Least squares then fits them.
     found, _ = cv2.findHomography(
@@ -155,7 +155,7 @@ def _require_spread(points: Points) -> None:
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[1] < THIN * spread[0]:
         raise Refused(
-            "the points lie in a line, which says nothing of what is beside it: let the camera "
+            "the points lie in a line, which leaves the area next to it open: let the camera "
             "see the whole picture of the projector, and try again"
         )
 

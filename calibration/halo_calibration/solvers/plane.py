@@ -15,7 +15,7 @@ from halo_service.geometry.surface import Surface, from_view
 from halo_service.profile import Background
 
 STEP_PX = 4
-"""Every fourth pixel in both directions: 20,000 points tell a plane well enough."""
+"""Every fourth pixel in both directions: 20,000 points determine a plane well enough."""
 TRIALS = 200
 """Planes through three points; with half of all points on the table, the best of 200 misses it
 once in 10^12."""
@@ -28,9 +28,9 @@ TUKEY = 4.685
 LEAST_SIGMA_MM = 0.3
 """Less noise than this the sensor never has."""
 LEFT_OUT_MM = 8.0
-"""What stands farther from the plane is told: a cup, a book, the table's edge."""
-TOLD_SHARE = 0.005
-"""Smaller things are not worth a word."""
+"""Points farther from the plane are reported as left out: a cup, a book, the table's edge."""
+REPORTED_SHARE = 0.005
+"""Smaller things are not reported."""
 LEAST_MEASURED = 0.5
 """Share of the surface's area where a depth must be measured."""
 LEAST_ON_PLANE = 0.5
@@ -106,7 +106,7 @@ def solve_plane(background: Background, camera: Camera) -> Plane:
 
 
 def surface_from_view(plane: Plane, width_mm: float = 300.0, height_mm: float = 200.0) -> Surface:
-    """Lay the surface's frame around the optical axis; the picture's top is the far edge."""
+    """Place the surface's frame around the optical axis; the picture's top is the far edge."""
     return from_view(
         np.array(plane.normal), plane.distance_mm, width_mm=width_mm, height_mm=height_mm
     )
@@ -158,7 +158,7 @@ def _plane_of(fit: LinearRegression) -> tuple[Points, float]:
 
 def _note(left: NDArray[np.bool_], off_mm: Points) -> str:
     size, place = largest(left)
-    if size < TOLD_SHARE * left.size:
+    if size < REPORTED_SHARE * left.size:
         return ""
     height = float(np.median(np.abs(off_mm[left])))
     side = "above" if float(np.median(off_mm[left])) < 0.0 else "below"

@@ -100,7 +100,7 @@ def surface_of(
 
 
 def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
-    """Lay the rectangle whose corners were touched: far left, far right, near right, near left.
+    """Return the rectangle with the touched corners: far left, far right, near right, near left.
 
     `touches`: four times (N, 2) mm in the frame of `plane`, three touches or more each.
     Raises `Refused` where they differ, are in another order, or are no rectangle.

@@ -1,4 +1,4 @@
-"""The four held states: are they still, apart and in order? Pure."""
+"""The four states: is the finger still, and are the signals separate and in order? Pure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ NO_HALO_MM_PX = 60.0
 APART_SIGMAS = 3.0
 """Two neighbouring states must differ by so many standard deviations of one frame's signal."""
 GOOD_SIGMAS = 6.0
-"""From here on they are told apart in every frame."""
+"""From here on every single frame separates them."""
 NOISE_FLOOR_MM_PX = 10.0
 """No signal is steadier than a pixel that comes and goes at the patch's edge."""
 DENT_FLOOR_MM = 0.2
@@ -42,7 +42,7 @@ DENT_FLOOR_MM = 0.2
 
 @dataclass(frozen=True, slots=True)
 class StateValues:
-    """Heights and forces of the held states, and whether somebody measured them.
+    """Heights and forces of the four states, and whether the user measured them.
 
     Assumed, the heights are the paper's (4.3.5) and a relaxed touch is taken as 25 g; the force
     of a medium press is then unknown.
@@ -129,8 +129,8 @@ def solve_touch(
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
     Raises `Refused`: a state moved, two overlap or are swapped, or the surface shows no halo.
-    Judged by the halo's signal. Where the dents tell the states apart less well they are left
-    unknown in all four, so that the signal is read in their stead; the quality is then fair.
+    The halo's signal decides. Where the dents separate the states less well, they are left
+    unknown in all four, so that the signal is used instead; the quality is then fair.
     """
     middles = {state: check_hold(holds[state]) for state in STATES}
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
@@ -154,12 +154,12 @@ def solve_touch(
 
 
 def dents_known(states: TouchStates) -> bool:
-    """Say whether touch, force and height are read off the dent; else they are without it."""
+    """Say whether touch, force and height are measured by the dent."""
     return states.pressure.deep_raw_mm > 0.0
 
 
 def corrected(states: TouchStates, correction: Correction | None) -> TouchStates:
-    """Read the states anew through a correction, as every later signal will be."""
+    """Apply a correction to the states, as every later signal will be."""
     return replace(
         states,
         hover=_through(states.hover, correction),
@@ -215,14 +215,16 @@ def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
     """Return the distance of two neighbouring states in standard deviations."""
     a, b = middles[low], middles[high]
     sigmas = _sigmas((a.signal, a.noise), (b.signal, b.noise))
-    told = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
+    values = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
     if sigmas < -APART_SIGMAS:
         raise Refused(
-            f"'{low}' shows a stronger halo than '{high}' {told}: were the two swapped? The halo "
+            f"'{low}' shows a stronger halo than '{high}' {values}: were the two swapped? The halo "
             f"grows from hover over subtle and touch to pressure; do these two again in that order"
         )
     if sigmas < APART_SIGMAS:
-        raise Refused(f"'{low}' and '{high}' overlap {told}: {_REMEDIES[high]}, and do both again")
+        raise Refused(
+            f"'{low}' and '{high}' overlap {values}: {_REMEDIES[high]}, and do both again"
+        )
     return sigmas
 
 

@@ -26,7 +26,7 @@ FAIR_RESIDUAL_MM, FAIR_LEFT_OUT = 3.0, 0.25
 
 
 def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Change:
-    """Take the empty surface, and the plane it lies in. Raises `Refused`."""
+    """Calibrate the empty surface, and the plane it lies in. Raises `Refused`."""
     background = solve_background([frame.depth for frame in frames])
     _refuse_hands(frames, look)
     plane = solve_plane(background, setup.camera)
@@ -47,7 +47,7 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
         elif _agrees(before, plane):
             fresh = replace(before, background=background)
         else:
-            # What was learnt over another plane holds no more.
+            # What was calibrated on another plane is no longer valid.
             fresh = replace(
                 before, surface=surface, background=background, touch=None, by_hand={},
                 correction=None, projector=None, anchor=None,
@@ -60,7 +60,7 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
 
 
 def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200.0) -> Change:
-    """Lay the surface's frame anew, from the background that the profile has. Raises `Refused`
+    """Reset the surface's frame, from the background that the profile has. Raises `Refused`
     for a size that no surface has."""
     check_size(width_mm, height_mm)
 
@@ -80,8 +80,8 @@ def _refuse_hands(frames: Sequence[Frame], look: Look) -> None:
     found = sum(bool(look(frame).hands) for frame in looked)
     if found >= max(2, len(looked) // 3):
         raise Refused(
-            "a hand was in the camera's view while the background was taken: take it away, and "
-            "take the background again"
+            "a hand was in the camera's view while the background was recorded: remove it, and "
+            "record the background again"
         )
 
 

@@ -1,4 +1,4 @@
-"""The steps that tell where things are: surface, projector, anchor.
+"""The steps for places: surface, projector, anchor.
 
 Rule: as `steps`: what was seen becomes a change of the profile; no prompts, no frames fetched.
 """
@@ -33,7 +33,7 @@ from halo_service.profile.model import Quality
 from halo_service.values import Frame
 
 GOOD_SHEET_MM, GOOD_CORNERS_MM = 0.7, 3.0
-"""Beyond these a surface is told as fair: half of what is refused."""
+"""Beyond these a surface is rated fair: half of the limit for refusal."""
 GOOD_PX, GOOD_CROSSES_MM = 1.5, 2.5
 """Likewise for a projector."""
 GOOD_ANCHOR_MM = 0.7
@@ -157,7 +157,7 @@ def anchor_change(
             height_mm=0.0 if found.lies else found.height_mm,
             tilt_deg=0.0 if found.lies else found.tilt_deg,
         ),
-        "it lies on the surface" if found.lies else "it stands off the surface",
+        "it lies on the surface" if found.lies else "it is above the surface",
     )
 
     def change(before: Profile | None) -> Profile:

@@ -39,7 +39,7 @@ def watch_sweep(
 
 
 def sweep_change(setup: Setup, swept: SweepObservations, profile: Profile) -> Change:
-    """Take the sweep over a profile's surface. Raises `Refused` where it is not good enough."""
+    """Calibrate the correction from a sweep over a surface. Raises `Refused` if it is poor."""
     surface = profile.surface
     samples = check_sweep(swept, surface)
     fit = cross_validate(surface, setup.base, samples)

@@ -27,7 +27,7 @@ def watch_hold(
 
 
 def touch_change(setup: Setup, holds: Mapping[str, HoldObservations]) -> Change:
-    """Take the four states. Raises `Refused` at once where they are not good enough."""
+    """Calibrate the four states. Raises `Refused` at once where they are not good enough."""
     solve_touch(holds, setup.state_values, None)
 
     def change(before: Profile | None) -> Profile:
@@ -59,7 +59,7 @@ def _touch_note(state_values: StateValues, states: TouchStates) -> str:
     force = state_values.of("pressure")[2]
     parts = [
         "" if heights else "heights are assumed (10 and 1 mm)",
-        "" if force else "the press's force is unknown, so no grams are told",
+        "" if force else "the press's force is unknown, so no grams are reported",
         "" if dents_known(states) else NO_DENTS,
     ]
     return "; ".join(part for part in parts if part)

@@ -27,7 +27,7 @@ class Terminal:
         self._map: list[str] = []
         self._lines = 0
 
-    def tell(self, prompt: Prompt) -> None:
+    def prompt(self, prompt: Prompt) -> None:
         """Print what to do now."""
         self._wipe()
         self._map = []

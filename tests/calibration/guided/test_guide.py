@@ -56,7 +56,7 @@ class Person:
         self.told = 0
         self.counted_down: list[float] = []
 
-    def tell(self, cue: Prompt) -> None:
+    def prompt(self, prompt: Prompt) -> None:
         self.told += 1
         self._table.waving = self.told <= self._waves
 

@@ -51,9 +51,9 @@ class Person:
         self._tip = (320.0, 300.0)
         self._coming: list[tuple[tuple[float, float], bool]] = []
 
-    def tell(self, cue: Prompt) -> None:
-        self.told.append(cue)
-        x, y = self._place_of(cue)
+    def prompt(self, prompt: Prompt) -> None:
+        self.told.append(prompt)
+        x, y = self._place_of(prompt)
         # The finger still rests on the mark before when the next is named.
         rests = len(self.told) > 1
         self._coming = [(self._tip, True)] * DOWN * rests + [(self._tip, False)] * UP
@@ -92,19 +92,19 @@ def guided(person: Person) -> GuidedCalibration:
 
 
 def test_four_touched_corners_make_a_surface(camera, draw, see, profile: Profile) -> None:
-    person = Person(camera, draw, see, lambda cue: CORNERS_PX[cue.number])
+    person = Person(camera, draw, see, lambda prompt: CORNERS_PX[prompt.number])
     made = GuidedPlace(guided(person)).corners(profile)(profile)
-    assert [cue.name for cue in person.told] == ["corner"] * 4
+    assert [prompt.name for prompt in person.told] == ["corner"] * 4
     assert made.surface.width_mm == pytest.approx(240.0 * NEARER, abs=1.0)
     assert made.surface.height_mm == pytest.approx(160.0 * NEARER, abs=1.0)
     assert "error_mm" in made.steps["surface"].figures
 
 
 def test_a_mark_whose_touches_differ_is_asked_for_again(camera, draw, see, profile) -> None:
-    person = Person(camera, draw, see, lambda cue: CORNERS_PX[cue.number])
+    person = Person(camera, draw, see, lambda prompt: CORNERS_PX[prompt.number])
     person.sloppy_px = 20.0
     GuidedPlace(guided(person)).corners(profile)
-    assert [cue.number for cue in person.told] == [0, 0, 1, 2, 3]
+    assert [prompt.number for prompt in person.told] == [0, 0, 1, 2, 3]
     assert sum("mm apart" in words for words in person.said) == 1
 
 
@@ -125,8 +125,8 @@ def test_nine_touched_crosses_make_a_homography(
 ) -> None:
     caplog.set_level(logging.DEBUG, "halo_calibration")
 
-    def under(cue: Prompt) -> tuple[float, float]:
-        return 190.0 + cue.at_px[0] / 5.0, 210.0 + cue.at_px[1] / 5.0
+    def under(prompt: Prompt) -> tuple[float, float]:
+        return 190.0 + prompt.at_px[0] / 5.0, 210.0 + prompt.at_px[1] / 5.0
 
     person, screen = Person(camera, draw, see, under), Screen()
     made = GuidedProjector(guided(person), screen).projector(profile, "touch")(profile)
@@ -144,7 +144,7 @@ def test_nine_touched_crosses_make_a_homography(
 
 
 def test_a_file_shows_all_crosses_at_once_and_no_stripes(camera, draw, see, profile) -> None:
-    person, screen = Person(camera, draw, see, lambda cue: (300.0, 300.0)), Screen(changes=False)
+    person, screen = Person(camera, draw, see, lambda prompt: (300.0, 300.0)), Screen(changes=False)
     projector = GuidedProjector(guided(person), screen)
     with pytest.raises(Refused, match="one after the other"):
         projector.projector(profile, "gray")
@@ -160,7 +160,7 @@ def test_a_board_is_exposed_for_and_found_in_a_dim_room(monkeypatch) -> None:
     user = VirtualUser(Room(seed=201, light=0.15), colour_times=1)
     screen = Screen()
     screen.size_px, screen.show = user.projector_px, user.project
-    person = Person(user.camera, None, None, lambda cue: (0.0, 0.0))
+    person = Person(user.camera, None, None, lambda prompt: (0.0, 0.0))
     setup = Setup("desk", user.camera, "2026-01-01T00:00:00Z")
     guide = GuidedCalibration(
         setup, Session(user), person, lambda p: lambda f: Tracked(f.time_us, ())

@@ -47,7 +47,7 @@ def test_the_anchor_is_found(place, marker, there):
 
 
 def test_a_marker_of_another_size_is_refused_with_the_size_it_has(place):
-    with pytest.raises(Refused, match=r"measures (79|80)\.[0-9] mm and not the 100 mm stated"):
+    with pytest.raises(Refused, match=r"measures (79|80)\.[0-9] mm and not the 100 mm given"):
         stated = dataclasses.replace(TAG, size_mm=100.0)
         sheet = printed(TAG.picture(112.0, 112.0, 5), 150.0, 100.0, 112.0)
         furnished = dataclasses.replace(place.room, sheets=(sheet,))

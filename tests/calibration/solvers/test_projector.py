@@ -184,7 +184,7 @@ def grey(level):
     [
         ([grey(255)] * 36, "overexposed"),
         ([grey(90)] * 36, "light is not seen"),
-        ([grey(200), grey(20), *[grey(90)] * 34], "stripes cannot be told apart"),
+        ([grey(200), grey(20), *[grey(90)] * 34], "stripes cannot be separated"),
     ],
     ids=["blown out", "no light", "too fast"],
 )

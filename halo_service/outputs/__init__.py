@@ -1,18 +1,20 @@
 """Output of touch frames: OSC, Zenoh, files.
 
-Rule: a frame is encoded once, in `frame_encoder`; every carrier sends the same bytes.
+Rule: a frame is converted once, in `frame_encoder`; every carrier sends the same messages.
 """
 
 from __future__ import annotations
 
 from typing import Protocol
 
+from halo_service.outputs.outgoing import Outgoing
+
 
 class Carrier(Protocol):
-    """Sends datagrams. It never blocks and never raises because of a receiver."""
+    """Sends frames and reports. It never blocks and never raises because of a receiver."""
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
-        """Send the datagrams of one message or frame. `kind`: last part of the Zenoh key."""
+    def send(self, outgoing: Outgoing) -> None:
+        """Send one."""
 
     def close(self) -> None:
         """Close sockets and sessions."""

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import halo_protocol as wire
+from halo_service.outputs.outgoing import OutgoingFrame
 from halo_service.values import Pointer, TouchEvent, TouchFrame
 
 REPEATS = 2
@@ -19,16 +20,22 @@ REPEATS = 2
 class FrameEncoder:
     """Numbers the frames of one session and repeats recent events."""
 
-    def __init__(self, node: str, session: str, first_frame: int) -> None:
-        """`first_frame`: from `halo_protocol.first_frame` when live, 0 in replay."""
+    def __init__(
+        self, node: str, session: str, first_frame: int, max_bytes: int = wire.MAX_BUNDLE
+    ) -> None:
+        """`first_frame`: from `halo_protocol.first_frame` when live, 0 in replay.
+
+        `max_bytes`: of a bundle.
+        """
         self.node = node
         self.session = session
         self._next_frame = first_frame
+        self._max_bytes = max_bytes
         self._start_us: int | None = None
         self._past: deque[list[tuple[int, TouchEvent]]] = deque(maxlen=REPEATS)
 
-    def encode(self, touch_frame: TouchFrame) -> list[bytes]:
-        """Encode a frame, and the events of the two before it."""
+    def encode(self, touch_frame: TouchFrame) -> OutgoingFrame:
+        """Convert a frame, with the events of the two before it."""
         repeated = [
             replace(past, ago_ms=past.ago_ms + (touch_frame.time_us - since_us) / 1000.0)
             for since_us, past in (pair for frame in self._past for pair in frame)
@@ -46,12 +53,14 @@ class FrameEncoder:
             wire.session_ms(touch_frame.time_us, self._start_us),
         )
         self._next_frame = wire.next_frame(self._next_frame)
-        return wire.encode_frame(
+        return OutgoingFrame(
             touch_frame.surface,
+            (touch_frame.width_mm, touch_frame.height_mm),
             header,
-            [pointer_message(pointer, touch_frame) for pointer in touch_frame.pointers],
-            downs,
-            ups,
+            tuple(pointer_message(pointer, touch_frame) for pointer in touch_frame.pointers),
+            tuple(downs),
+            tuple(ups),
+            self._max_bytes,
         )
 
 

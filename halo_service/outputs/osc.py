@@ -1,66 +1,59 @@
-"""OSC over UDP to fixed destinations."""
+"""OSC over UDP to fixed destinations, each with its own format and rate."""
 
 from __future__ import annotations
 
-import logging
-import socket
-
-from halo_service.errors import UserError
-
-log = logging.getLogger(__name__)
-
-
-def destination(text: str) -> tuple[str, int]:
-    """Read `host:port`. Raises `UserError` for anything else."""
-    host, _, port = text.rpartition(":")
-    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise UserError(
-            f"osc: '{text}' is not a destination; write host:port, such as 127.0.0.1:4256"
-        )
-    return host.strip("[]"), int(port)
+from halo_service.outputs.destination import Destination, Stream
+from halo_service.outputs.formats import Format, make_format
+from halo_service.outputs.name_resolver import NameResolver
+from halo_service.outputs.outgoing import Outgoing, OutgoingFrame
+from halo_service.outputs.throttle import Throttle
+from halo_service.outputs.udp_sender import UdpSender
 
 
 class OscOutput:
-    """Sends every datagram to every destination, by UDP, without confirmation."""
+    """Sends to every destination, without confirmation; equal streams are encoded once."""
 
-    def __init__(self, destinations: list[tuple[str, int]]) -> None:
-        """`destinations`: host and port. Raises `UserError` for a host that has no address."""
-        self._destinations = [_resolve(host, port) for host, port in destinations]
-        self._sockets = {
-            family: socket.socket(family, socket.SOCK_DGRAM)
-            for family in {family for family, _ in self._destinations}
-        }
-        for each in self._sockets.values():
-            each.setblocking(False)
-        self._refused: set[tuple[str, int]] = set()
+    def __init__(self, destinations: list[Destination]) -> None:
+        """No host needs to exist: names are looked up while the service runs."""
+        senders = [UdpSender(each) for each in destinations]
+        streams = dict.fromkeys(each.stream for each in destinations)
+        self._channels = [
+            _Channel(stream, [each for each in senders if each.destination.stream == stream])
+            for stream in streams
+        ]
+        self._senders = senders
+        self._resolver = NameResolver(senders)
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
-        """Send to all. A datagram that the system cannot send now is dropped; the next frame
-        replaces it."""
-        del kind
-        for family, address in self._destinations:
-            for datagram in datagrams:
-                try:
-                    self._sockets[family].sendto(datagram, address)
-                except OSError as error:
-                    self._log_once(address, error)
+    def send(self, outgoing: Outgoing) -> None:
+        """Send to all destinations that receive this surface."""
+        for channel in self._channels:
+            channel.send(outgoing)
 
     def close(self) -> None:
         """Close the sockets."""
-        for each in self._sockets.values():
-            each.close()
-
-    def _log_once(self, address: tuple[str, int], error: OSError) -> None:
-        if address not in self._refused:
-            self._refused.add(address)
-            log.warning("osc: cannot send to %s:%d (%s); will keep trying", *address[:2], error)
+        self._resolver.close()
+        for sender in self._senders:
+            sender.close()
 
 
-def _resolve(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
-    try:
-        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-    except OSError as error:
-        raise UserError(
-            f"osc: the host '{host}' has no address ({error}); check [osc] destinations"
-        ) from error
-    return family, (str(address[0]), port)
+class _Channel:
+    """The destinations of one stream."""
+
+    def __init__(self, stream: Stream, senders: list[UdpSender]) -> None:
+        self._stream = stream
+        self._senders = senders
+        self._format: Format = make_format(stream)
+        self._throttle = Throttle(stream.rate_hz) if stream.rate_hz else None
+
+    def send(self, outgoing: Outgoing) -> None:
+        if self._stream.surface not in ("", outgoing.surface):
+            return
+        datagrams = self._encoded(outgoing)
+        for sender in self._senders:
+            sender.send(datagrams)
+
+    def _encoded(self, outgoing: Outgoing) -> list[bytes]:
+        if not isinstance(outgoing, OutgoingFrame):
+            return self._format.report(outgoing)
+        frame = self._throttle.take(outgoing) if self._throttle else outgoing
+        return [] if frame is None else self._format.frame(frame)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from annotated_types import Interval
 
-from halo_protocol import DEFAULT_CONTROL_PORT, DEFAULT_PORT
+from halo_protocol import DEFAULT_CONTROL_PORT, DEFAULT_PORT, MAX_BUNDLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +16,19 @@ class OscSettings:
 
     enabled: bool = True
     destinations: tuple[str, ...] = (f"127.0.0.1:{DEFAULT_PORT}",)
-    """`host:port` of each client that receives frames by UDP."""
+    """`HOST:PORT[/FORMAT][,OPTION=VALUE ...]` of each client that receives frames by UDP. Formats:
+    `frames`, `flat`, `tuio11`, `tuio2`. Options: `rate` (frames per second), `surface`, `bundles`,
+    `changes`, `timetags` (on or off), `ttl`, `interface` (for multicast)."""
+    max_bytes: Annotated[int, Interval(ge=768, le=65_507)] = MAX_BUNDLE
+    """Largest bundle: 1232 passes every VPN, 1432 a wired network without tunnels."""
+
+
+@dataclass(frozen=True, slots=True)
+class TuioSettings:
+    """`[tuio]` in halo.toml."""
+
+    destinations: tuple[str, ...] = ()
+    """As in `[osc]`; port 3333 and format `tuio11` if none is named."""
 
 
 LISTEN = ("tcp/127.0.0.1:7447",)

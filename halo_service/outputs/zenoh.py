@@ -18,6 +18,7 @@ from halo_protocol.names import ZENOH_KINDS
 from halo_service.errors import UserError
 from halo_service.files import from_home
 from halo_service.outputs.name_watch import NameWatch
+from halo_service.outputs.outgoing import Outgoing
 from halo_service.outputs.settings import LISTEN, ZenohSettings
 
 RETAINED = ("scene", "homography", "pose")
@@ -48,12 +49,12 @@ class ZenohOutput:
         self._others = None if names is None else self._subscribe_to_others(node, names)
         self._token = self._session.liveliness().declare_token(wire.liveliness_key(node))
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
+    def send(self, outgoing: Outgoing) -> None:
         """Put each datagram as one sample."""
-        if kind in RETAINED and datagrams:
-            self._last[kind] = datagrams[-1]
-        for datagram in datagrams:
-            self._publishers[kind].put(datagram)
+        if outgoing.kind in RETAINED:
+            self._last[outgoing.kind] = outgoing.datagrams[-1]
+        for datagram in outgoing.datagrams:
+            self._publishers[outgoing.kind].put(datagram)
 
     def close(self) -> None:
         """Undeclare everything, then close: closing first can hang."""

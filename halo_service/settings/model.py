@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar
 from annotated_types import Interval
 from pydantic import ConfigDict, Field
 
-from halo_service.outputs.settings import ControlSettings, OscSettings, ZenohSettings
+from halo_service.outputs.settings import ControlSettings, OscSettings, TuioSettings, ZenohSettings
 from halo_service.sensing.settings import SensingSettings
 
 
@@ -60,6 +60,7 @@ class Settings:
     """The calibration: a path if it has a separator, else a name in the user's data folder."""
     source: SourceSettings = field(default_factory=SourceSettings)
     osc: OscSettings = field(default_factory=OscSettings)
+    tuio: TuioSettings = field(default_factory=TuioSettings)
     zenoh: ZenohSettings = field(default_factory=ZenohSettings)
     control: ControlSettings = field(default_factory=ControlSettings)
     sensing: SensingSettings = field(default_factory=SensingSettings)

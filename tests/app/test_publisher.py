@@ -10,6 +10,7 @@ import pytest
 import halo_protocol as wire
 from halo_service.app.service.publisher import Publisher
 from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.outgoing import Outgoing
 from halo_service.profile import Anchor, Profile, Projector
 from halo_service.sensing import SensingSettings, start
 from halo_service.values import TouchFrame
@@ -23,9 +24,9 @@ class Heard:
     def __init__(self) -> None:
         self.messages: dict[str, wire.Message] = {}
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
-        *_, (_, message) = wire.decode(datagrams[0])
-        self.messages[kind] = message
+    def send(self, outgoing: Outgoing) -> None:
+        *_, (_, message) = wire.decode(outgoing.datagrams[0])
+        self.messages[outgoing.kind] = message
 
     def close(self) -> None:
         """Nothing to let go."""
@@ -34,7 +35,7 @@ class Heard:
 class Broken:
     """A carrier that fails at each message."""
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
+    def send(self, outgoing: Outgoing) -> None:
         raise RuntimeError("no route")
 
     def close(self) -> None:

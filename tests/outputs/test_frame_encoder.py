@@ -8,6 +8,7 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.outgoing import OutgoingFrame
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch, TouchEvent, TouchFrame
 
 FRAME_US = 33_333
@@ -36,8 +37,8 @@ def touch_frame(n: int, pointers: tuple[Pointer, ...] = (), *events: TouchEvent)
     return TouchFrame(1_700_000_000_000_000 + n * FRAME_US, "table", 300.0, 200.0, pointers, events)
 
 
-def messages(datagrams: list[bytes]) -> list[wire.Message]:
-    return [message for datagram in datagrams for _, message in wire.decode(datagram)]
+def messages(frame: OutgoingFrame) -> list[wire.Message]:
+    return [message for datagram in frame.datagrams for _, message in wire.decode(datagram)]
 
 
 def test_a_frame_has_the_values_of_the_service() -> None:
@@ -55,8 +56,8 @@ def test_an_event_is_sent_three_times_with_its_age() -> None:
     frames = FrameEncoder("desk", "s1", 0)
     seen = []
     for n in range(5):
-        datagrams = frames.encode(touch_frame(n, (POINTER,), *([DOWN] if n == 1 else [])))
-        seen.append([m for m in messages(datagrams) if isinstance(m, wire.Down)])
+        frame = frames.encode(touch_frame(n, (POINTER,), *([DOWN] if n == 1 else [])))
+        seen.append([m for m in messages(frame) if isinstance(m, wire.Down)])
     assert [len(downs) for downs in seen] == [0, 1, 1, 1, 0]
     ages = [downs[0].ago_ms for downs in seen[1:4]]
     assert ages == pytest.approx([12.0, 12.0 + 33.333, 12.0 + 66.666], abs=1e-3)
@@ -69,7 +70,8 @@ def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -
         hits = 0
         for n in range(6):
             pointer = replace(POINTER, contacts=3 if n else 2)
-            for datagram in frames.encode(touch_frame(n, (pointer,), *([DOWN] if n == 1 else []))):
+            encoded = frames.encode(touch_frame(n, (pointer,), *([DOWN] if n == 1 else [])))
+            for datagram in encoded.datagrams:
                 if n not in lost:
                     events = client.receive_data(datagram, n / 30)
                     hits += sum(len(e.downs) for e in events if isinstance(e, wire.TouchFrame))

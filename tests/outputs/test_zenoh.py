@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import zenoh
 
+import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.outputs.outgoing import OutgoingFrame, OutgoingReport
 from halo_service.outputs.settings import ZenohSettings
 from halo_service.outputs.zenoh import ZenohOutput
 
@@ -40,9 +43,22 @@ def client(endpoint: str, output: ZenohOutput) -> Iterator[zenoh.Session]:
     session.close()
 
 
+SCENE = wire.Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 0, 0, 30.0)
+
+
+def frame_of(count: int) -> OutgoingFrame:
+    pointers = tuple(
+        wire.Pointer(n, n, 2, 1, 0, 0.5, 0.5, 150, 100, 3, 0, 0, 0, 1, 0, -1) for n in range(count)
+    )
+    header = wire.Frame("desk", "s1", 1, 1, 0, count)
+    return OutgoingFrame("table", (300.0, 200.0), header, pointers, (), ())
+
+
 def test_each_datagram_is_a_sample_under_its_key(
     output: ZenohOutput, client: zenoh.Session
 ) -> None:
+    frame = frame_of(12)
+    assert len(frame.datagrams) == 2
     got: list[tuple[str, bytes]] = []
     arrived = threading.Event()
 
@@ -53,27 +69,25 @@ def test_each_datagram_is_a_sample_under_its_key(
 
     subscriber = client.declare_subscriber("halo/1/**", keep)
     for _ in range(100):  # until the subscription has reached the peer
-        output.send("frame", [b"part one", b"part two"])
+        output.send(frame)
         if arrived.wait(0.1):
             break
     subscriber.undeclare()
-    assert got[:2] == [
-        ("halo/1/desk/table/frame", b"part one"),
-        ("halo/1/desk/table/frame", b"part two"),
-    ]
+    assert got[:2] == [("halo/1/desk/table/frame", each) for each in frame.datagrams]
 
 
 def test_a_late_joiner_queries_retained_messages(
     output: ZenohOutput, client: zenoh.Session
 ) -> None:
-    output.send("scene", [b"old"])
-    output.send("scene", [b"new"])
+    old, new = (OutgoingReport("table", replace(SCENE, revision=n)) for n in (1, 2))
+    output.send(old)
+    output.send(new)
     replies = list(client.get("halo/1/*/*/scene", timeout=WAIT_S))
-    assert [bytes(reply.ok.payload) for reply in replies if reply.ok] == [b"new"]
+    assert [bytes(reply.ok.payload) for reply in replies if reply.ok] == new.datagrams
 
 
 def test_frames_are_not_retained(output: ZenohOutput, client: zenoh.Session) -> None:
-    output.send("frame", [b"a frame"])
+    output.send(frame_of(1))
     assert list(client.get("halo/1/*/*/frame", timeout=2.0)) == []
 
 

@@ -31,6 +31,7 @@ from halo_service.evaluation.latency.simulate import LatencyRecording, simulate
 from halo_service.evaluation.latency.stopwatch import Stopwatch, TimedCarrier
 from halo_service.files import from_home
 from halo_service.hand_tracking.hands import HandTracker
+from halo_service.outputs.destination import Destination
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.osc import OscOutput
 from halo_service.profile import Profile
@@ -108,7 +109,7 @@ class Service:
 
     def publisher(self, watch: Stopwatch, port: int) -> tuple[Publisher, Callable[[], None]]:
         """Return a publisher to a port of this machine, and a function that closes it."""
-        carrier = TimedCarrier(OscOutput([("127.0.0.1", port)]), watch)
+        carrier = TimedCarrier(OscOutput([Destination("127.0.0.1", port)]), watch)
         name, take = self._profile.surface.name, self._take
         frames = FrameEncoder(NODE, SESSION, 0)
         return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close

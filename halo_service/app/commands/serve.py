@@ -22,7 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--osc",
         action="append",
         metavar="HOST:PORT",
-        help="send OSC here instead of 127.0.0.1:4256; may be repeated",
+        help="send OSC here instead of 127.0.0.1:4256, e.g. 127.0.0.1:7000/flat,rate=60; may be "
+        "repeated",
+    )
+    parser.add_argument(
+        "--tuio",
+        action="append",
+        metavar="HOST:PORT",
+        help="send TUIO 1.1 here, or 2.0 to HOST:PORT/tuio2; may be repeated",
     )
     parser.add_argument("--no-osc", action="store_true", help="send no OSC")
     parser.add_argument(
@@ -52,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
         enabled=settings.osc.enabled and not options.no_osc,
         destinations=tuple(options.osc or settings.osc.destinations),
     )
+    tuio = replace(settings.tuio, destinations=tuple(options.tuio or settings.tuio.destinations))
     zenoh = replace(
         settings.zenoh,
         enabled=settings.zenoh.enabled and not options.no_zenoh,
@@ -65,6 +73,7 @@ def run(options: argparse.Namespace) -> int:
             node=options.node or settings.node,
             source=source,
             osc=osc,
+            tuio=tuio,
             zenoh=zenoh,
             control=replace(settings.control, port=port),
         )

@@ -13,6 +13,7 @@ from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.name_watch import NameWatch
+from halo_service.outputs.outgoing import Outgoing, OutgoingReport
 from halo_service.profile import Profile, Projector
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health
@@ -57,7 +58,7 @@ class Publisher:
 
     def frame(self, frame: TouchFrame) -> None:
         """Send one frame."""
-        self._send("frame", self._frames.encode(frame))
+        self._send(self._frames.encode(frame))
 
     def scene(self, state: State) -> None:
         """Send the scene, and pose and homography if the profile has them."""
@@ -81,12 +82,12 @@ class Publisher:
             self._control_port,
             collision=int(self._names is not None and self._names.collision(time.monotonic())),
         )
-        self._send("scene", [wire.encode(self._surface, scene)])
+        self._send(OutgoingReport(self._surface, scene))
         if profile is not None:  # after the scene: they refer to its revision
-            self._send("pose", [wire.encode(self._surface, self._pose(profile))])
+            self._send(OutgoingReport(self._surface, self._pose(profile)))
             if profile.projector is not None:
                 homography = self._homography(profile, profile.projector)
-                self._send("homography", [wire.encode(self._surface, homography)])
+                self._send(OutgoingReport(self._surface, homography))
 
     def health(self, current: Health) -> None:
         """Send the health of the service."""
@@ -103,7 +104,7 @@ class Publisher:
             CLOCK.jumps,
             CLOCK.error_ms,
         )
-        self._send("health", [wire.encode(self._surface, health)])
+        self._send(OutgoingReport(self._surface, health))
 
     def _pose(self, profile: Profile) -> wire.Pose:
         frames, anchor = self._frames, profile.anchor
@@ -126,10 +127,10 @@ class Publisher:
             _numbers(projector.projector_from_surface),
         )
 
-    def _send(self, kind: str, datagrams: list[bytes]) -> None:
+    def _send(self, outgoing: Outgoing) -> None:
         for carrier in self._carriers:
             with self._errors.guard(f"output {type(carrier).__name__}"):  # the others still send
-                carrier.send(kind, datagrams)
+                carrier.send(outgoing)
 
 
 def _numbers(matrix: NDArray[np.float64]) -> tuple[float, ...]:

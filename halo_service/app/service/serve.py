@@ -20,9 +20,10 @@ from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
+from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.name_watch import NameWatch
-from halo_service.outputs.osc import OscOutput, destination
+from halo_service.outputs.osc import OscOutput
 from halo_service.outputs.settings import LISTEN
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
@@ -49,7 +50,8 @@ def serve(settings: Settings) -> None:
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
         profile = profile_for(source, saved, settings)
-        frames = FrameEncoder(node, session, wire.first_frame(CLOCK.unix_us()))
+        first = wire.first_frame(CLOCK.unix_us())
+        frames = FrameEncoder(node, session, first, settings.osc.max_bytes)
         publisher = Publisher(
             frames, carriers, source.kind, source.camera, surface, control.port, names
         )
@@ -117,9 +119,9 @@ def _carriers(
     settings: Settings, names: NameWatch, surface: str, stack: ExitStack
 ) -> list[Carrier]:
     carriers: list[Carrier] = []
-    if settings.osc.enabled:
-        osc = OscOutput([destination(each) for each in settings.osc.destinations])
-        carriers.append(stack.enter_context(closing(osc)))
+    sent_to = destinations(settings)
+    if sent_to:
+        carriers.append(stack.enter_context(closing(OscOutput(sent_to))))
     if settings.zenoh.enabled:
         from halo_service.outputs.zenoh import ZenohOutput
 
@@ -129,10 +131,19 @@ def _carriers(
     return carriers
 
 
+def destinations(settings: Settings) -> list[Destination]:
+    """Read the destinations of OSC and TUIO. Raises `UserError` for a bad one."""
+    osc = settings.osc.destinations if settings.osc.enabled else ()
+    return [
+        *(parse_destination(each) for each in osc),
+        *(parse_destination(each, "tuio") for each in settings.tuio.destinations),
+    ]
+
+
 def _log_start(
     settings: Settings, source: Source, profile: Profile | None, node: str, control_port: int
 ) -> None:
-    osc = ", ".join(settings.osc.destinations) if settings.osc.enabled else "off"
+    osc = ", ".join(map(str, destinations(settings))) or "off"
     set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
     zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
     log.info("source %s %s, serial %s", source.kind, settings.source.name, source.camera.serial)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from halo_service.values import TouchEvent, TouchFrame
 
@@ -64,10 +64,10 @@ class Stopwatch:
 
 
 class Carries(Protocol):
-    """What sends datagrams: an output's carrier."""
+    """What sends frames and reports: an output's carrier."""
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
-        """Send the datagrams of one message or frame."""
+    def send(self, outgoing: Any) -> None:
+        """Send one; `outgoing` has a `kind` and, encoded when first read, its `datagrams`."""
 
     def close(self) -> None:
         """Release the socket."""
@@ -80,13 +80,14 @@ class TimedCarrier:
         self._carrier = carrier
         self._watch = watch
 
-    def send(self, kind: str, datagrams: list[bytes]) -> None:
+    def send(self, outgoing: Any) -> None:
         """Send on."""
-        if kind != "frame":
-            self._carrier.send(kind, datagrams)
+        if outgoing.kind != "frame":
+            self._carrier.send(outgoing)
             return
+        assert outgoing.datagrams  # encoded here
         self._watch.lap("encode")
-        self._carrier.send(kind, datagrams)
+        self._carrier.send(outgoing)
         self._watch.lap("send")
 
     def close(self) -> None:

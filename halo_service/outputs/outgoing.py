@@ -1,0 +1,68 @@
+"""What the service sends: a frame or a report, as messages and, once needed, as bytes.
+
+Rule: values only. Each output takes the form that it needs; the bytes are encoded once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import halo_protocol as wire
+
+Reported = wire.Scene | wire.Homography | wire.Pose | wire.Health
+
+
+@dataclass(frozen=True)
+class OutgoingFrame:
+    """One frame of one surface."""
+
+    surface: str
+    size_mm: tuple[float, float]
+    """Width and height of the surface."""
+    header: wire.Frame
+    pointers: tuple[wire.Pointer, ...]
+    downs: tuple[wire.Down, ...]
+    """New and repeated ones."""
+    ups: tuple[wire.Up, ...]
+    max_bytes: int = wire.MAX_BUNDLE
+    kind: ClassVar[str] = "frame"
+
+    @cached_property
+    def datagrams(self) -> list[bytes]:
+        """The frame in the `frames` format."""
+        return self.encoded()
+
+    def encoded(self, *, timetagged: bool = False) -> list[bytes]:
+        """Encode it, optionally with its time as timetag."""
+        return wire.encode_frame(
+            self.surface,
+            self.header,
+            self.pointers,
+            self.downs,
+            self.ups,
+            max_bytes=self.max_bytes,
+            timetagged=timetagged,
+        )
+
+
+@dataclass(frozen=True)
+class OutgoingReport:
+    """A scene, homography, pose or health message."""
+
+    surface: str
+    message: Reported
+
+    @property
+    def kind(self) -> str:
+        """Last part of the address and of the Zenoh key."""
+        return type(self.message).__name__.lower()
+
+    @cached_property
+    def datagrams(self) -> list[bytes]:
+        """The message in the `frames` format."""
+        return [wire.encode(self.surface, self.message)]
+
+
+Outgoing = OutgoingFrame | OutgoingReport

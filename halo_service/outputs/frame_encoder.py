@@ -25,10 +25,10 @@ class FrameEncoder:
     ) -> None:
         """`first_frame`: from `halo_protocol.first_frame` when live, 0 in replay.
 
-        `max_bytes`: of a bundle.
+        `max_bytes`: of a bundle. `ProtocolError` for a bad name.
         """
-        self.node = node
-        self.session = session
+        self.node = wire.check_name(node, "node")
+        self.session = wire.check_session(session)
         self._next_frame = first_frame
         self._max_bytes = max_bytes
         self._start_us: int | None = None

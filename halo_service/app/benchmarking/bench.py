@@ -51,7 +51,7 @@ ROUNDS = 2
 """Ours first, then ours last."""
 LONGEST_S = 60.0
 """Frames are held in memory: 50 MB a second."""
-NODE, SESSION = "bench", "00000000"
+NODE, SESSION = "bench", "s0"
 
 
 @dataclass(frozen=True, slots=True)

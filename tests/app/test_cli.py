@@ -63,7 +63,7 @@ def test_one_sentence_and_exit_2(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "bad.toml").write_text("[osc]\nprot = 9000\n")
+    (tmp_path / "bad.toml").write_text("[osc]\nprot = 4256\n")
     if arguments[0] == "serve":
         arguments = [*arguments, "--control-port", str(free_port())]
         if "--zenoh-listen" not in arguments:
@@ -76,15 +76,17 @@ def test_one_sentence_and_exit_2(
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 
-def test_a_control_port_in_use_is_one_sentence(tmp_path: Path) -> None:
+def test_a_control_port_in_use_is_one_sentence_and_another_port(
+    spawn: Callable[..., subprocess.Popen[str]],
+) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = str(taken.getsockname()[1])
-        result = halo("serve", "--control-port", port, "--no-zenoh", cwd=tmp_path)
-    assert result.returncode == 2
-    assert result.stderr.count("\n") == 1
-    assert "--control-port" in result.stderr
-    assert result.stdout == ""
+        options = ("--no-zenoh", "--no-osc", "--source", "sim:idle", "--control-port", port)
+        service = spawn(HALO, "serve", *options)
+        assert service.stderr is not None
+        first = service.stderr.readline()
+    assert first.startswith(f"halo: control: port {port} is in use, so this service uses ")
 
 
 def test_debug_shows_the_traceback(tmp_path: Path) -> None:

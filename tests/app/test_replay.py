@@ -133,5 +133,5 @@ def test_an_unknown_method_is_answered_with_the_known_ones(
     out = tmp_path / "out.jsonl"
     code = main(["replay", str(tmp_path / "any.mkv"), "--jsonl", str(out), "--method", "magic"])
     assert code == 2
-    assert "unknown method 'magic'; known: ours" in capsys.readouterr().err
+    assert "unknown method 'magic'; choose from: ours" in capsys.readouterr().err
     assert not out.exists()

@@ -5,7 +5,15 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.virtual.curves import STATES
-from halo_service.virtual.gallery import BORDER_PX, FIELD_PX, gallery, save
+from halo_service.virtual.gallery import (
+    BORDER_PX,
+    CAPTION_PX,
+    FIELD_PX,
+    LEGEND,
+    VARIANTS,
+    gallery,
+    save,
+)
 from halo_service.virtual.materials import MATERIALS
 
 
@@ -16,18 +24,31 @@ def saved(tmp_path_factory):
     return path
 
 
+def halo_px(image, row):
+    """White pixels of the halo in each state of one row."""
+    side, first = 2 * FIELD_PX, BORDER_PX * (len(LEGEND) + 1)
+    top = first + row * (side + CAPTION_PX) + CAPTION_PX
+    return [
+        int((image[top : top + FIELD_PX, x + FIELD_PX : x + side] == 255).all(axis=2).sum())
+        for x in (BORDER_PX + k * (side + BORDER_PX) for k in range(len(STATES)))
+    ]
+
+
 def test_every_material_and_state_has_its_field(saved):
     image = cv2.imread(str(saved))
     side = 2 * FIELD_PX
-    assert image.shape[0] == BORDER_PX + len(MATERIALS) * side
+    rows = len(MATERIALS) + len(VARIANTS)
+    assert image.shape[0] == BORDER_PX * (len(LEGEND) + 1) + rows * (side + CAPTION_PX)
     assert image.shape[1] >= len(STATES) * side
-    row = BORDER_PX + list(MATERIALS).index("suede") * side
-    white = [
-        (image[row : row + FIELD_PX, x + FIELD_PX : x + side] == 255).all(axis=2).sum()
-        for x in (BORDER_PX + k * (side + BORDER_PX) for k in range(len(STATES)))
-    ]
+    white = halo_px(image, list(MATERIALS).index("suede"))
     assert white == sorted(white)  # the halo grows from state to state
     assert white[-1] > white[0] + 100
+
+
+def test_a_halo_shows_at_hover_on_all_materials_but_mirrors(saved):
+    image = cv2.imread(str(saved))
+    for row, material in enumerate(MATERIALS):
+        assert (halo_px(image, row)[0] >= 12) == (material != "mirror"), material
 
 
 @pytest.mark.parametrize(
@@ -35,6 +56,7 @@ def test_every_material_and_state_has_its_field(saved):
 )
 def test_a_gallery_that_cannot_be_written_is_one_sentence(tmp_path, name, sentence, monkeypatch):
     monkeypatch.setattr("halo_service.virtual.gallery.MATERIALS", {"paper": MATERIALS["paper"]})
+    monkeypatch.setattr("halo_service.virtual.gallery.VARIANTS", {})
     with pytest.raises(UserError, match=sentence):
         save(tmp_path / name)
     assert not list(tmp_path.iterdir())

@@ -43,8 +43,8 @@ VARIANTS: dict[str, Mapping[str, object]] = {
 """Halos and hands of one user on paper, by name."""
 LEGEND = (
     "Each field: top depth (near is bright) and halo (white: farther than the empty table by more",
-    "than the threshold; grey: nearer), bottom infrared and colour. Black: no depth. Hover: the",
-    "greatest height at which the halo shows, up to 20 mm, as the paper defines it (4.3.5).",
+    "than the > in brackets; grey: nearer), below: infrared and colour. Black: no depth. Hover:",
+    "the greatest height at which the halo shows, up to 20 mm, as the paper defines it (4.3.5).",
 )
 THRESHOLDS_MM = (THRESHOLD_MM, 5.0)
 """The paper's, and its smallest, for weak materials (4.3.1)."""
@@ -154,11 +154,11 @@ def _row(name: str, room: Room) -> Picture:
         if hover_mm is not None:
             break
     for state, (height_mm, force_g) in STATES.items():
-        words = f"{state}: {height_mm:g} mm, {force_g:g} g, threshold {threshold_mm:g} mm"
+        words = f"{state}: {height_mm:g} mm, {force_g:g} g (> {threshold_mm:g} mm)"
         if state == "hover":
             height_mm = height_mm if hover_mm is None else hover_mm
-            shows = "no halo" if hover_mm is None else f"threshold {threshold_mm:g} mm"
-            words = f"{state}: {height_mm:g} mm, {shows}"
+            shows = "no halo" if hover_mm is None else f"(> {threshold_mm:g} mm)"
+            words = f"{state}: {height_mm:g} mm {shows}"
         caption = _white(CAPTION_PX, 2 * FIELD_PX)
         _write(caption, words, 0, CAPTION_PX)
         parts += [

@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--zenoh-connect", action="append", metavar="ENDPOINT", help="router or peer to connect to"
     )
     parser.add_argument("--no-zenoh", action="store_true", help="open no Zenoh session")
+    parser.add_argument("--no-web", action="store_true", help="open no WebSocket server")
     parser.add_argument(
         "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 4257)"
     )
@@ -66,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
         listen=tuple(options.zenoh_listen or settings.zenoh.listen),
         connect=tuple(options.zenoh_connect or settings.zenoh.connect),
     )
+    web = replace(settings.web, enabled=settings.web.enabled and not options.no_web)
     port = settings.control.port if options.control_port is None else options.control_port
     serve(
         replace(
@@ -75,6 +77,7 @@ def run(options: argparse.Namespace) -> int:
             osc=osc,
             tuio=tuio,
             zenoh=zenoh,
+            web=web,
             control=replace(settings.control, port=port),
         )
     )

@@ -128,6 +128,12 @@ def _carriers(
         carriers.append(
             stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))
         )
+    if settings.web.enabled:
+        from halo_service.web.server import WebServer
+
+        server = stack.enter_context(closing(WebServer(settings.web)))
+        log.info("browsers connect to %s", server.url)
+        carriers.append(server)
     return carriers
 
 

@@ -1,0 +1,142 @@
+"""The server: one thread with an event loop, which frames are handed to."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import logging
+import socket
+import threading
+
+from aiohttp import WSMsgType, web
+
+import halo_protocol as wire
+from halo_service.errors import UserError
+from halo_service.outputs.outgoing import Outgoing
+from halo_service.web.access import Access
+from halo_service.web.settings import WebSettings
+from halo_service.web.subscriber import JSON, OSC, Subscriber
+
+log = logging.getLogger(__name__)
+
+PATH = "/halo"
+MAX_CLIENTS = 64
+LARGEST = 4096
+"""Bytes of a message from a client."""
+HEARTBEAT_S = 10.0
+"""How often an idle connection is checked."""
+CLOSE_S = 5.0
+RETAINED = ("scene", "homography", "pose")
+"""Sent at once to a client that joins."""
+
+
+class WebServer:
+    """A carrier for browsers."""
+
+    def __init__(self, settings: WebSettings) -> None:
+        """Listen. Raises `UserError` for a host that is not an address of this machine."""
+        self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
+        self._listener = _listening(settings)
+        self.url = f"ws://{_bracketed(settings.host)}:{self.port}{PATH}"
+        self._clients: set[Subscriber] = set()
+        self._retained: dict[tuple[str, str], Outgoing] = {}
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="web", daemon=True)
+        self._thread.start()
+        self._runner = asyncio.run_coroutine_threadsafe(self._start(), self._loop).result()
+
+    @property
+    def port(self) -> int:
+        """The TCP port that it uses."""
+        return int(self._listener.getsockname()[1])
+
+    def send(self, outgoing: Outgoing) -> None:
+        """Hand a frame or report to the server's thread."""
+        if self._clients or outgoing.kind in RETAINED:
+            self._loop.call_soon_threadsafe(self._publish, outgoing)
+
+    def close(self) -> None:
+        """Disconnect all clients and end the thread."""
+        stopped = asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
+        stopped.result(CLOSE_S * 2)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+    async def _start(self) -> web.AppRunner:
+        application = web.Application()
+        application.router.add_get(PATH, self._subscribe)
+        application.on_shutdown.append(self._disconnect)
+        runner = web.AppRunner(application, access_log=None, shutdown_timeout=CLOSE_S)
+        await runner.setup()
+        await web.SockSite(runner, self._listener).start()
+        return runner
+
+    def _publish(self, outgoing: Outgoing) -> None:
+        if outgoing.kind in RETAINED:
+            self._retained[outgoing.surface, outgoing.kind] = outgoing
+        for client in self._clients:
+            client.put(outgoing)
+
+    async def _subscribe(self, request: web.Request) -> web.StreamResponse:
+        why = self._access.refusal(request.headers.get("Host", ""), request.headers.get("Origin"))
+        if why is not None:
+            log.debug("web: refused %s: %s", request.remote, why)
+            return web.Response(status=403, text=why + "\n")
+        if len(self._clients) >= MAX_CLIENTS:
+            return web.Response(status=503, text=f"at most {MAX_CLIENTS} clients can connect\n")
+        answer = web.WebSocketResponse(
+            protocols=(JSON, OSC), heartbeat=HEARTBEAT_S, max_msg_size=LARGEST, compress=False
+        )
+        if not answer.can_prepare(request):
+            text = f"this is a WebSocket, protocol {wire.VERSION}; subprotocols {JSON}, {OSC}\n"
+            return web.Response(status=426, text=text, headers={"Upgrade": "websocket"})
+        await answer.prepare(request)
+        await self._serve(answer, request.transport)
+        return answer
+
+    async def _serve(
+        self, answer: web.WebSocketResponse, transport: asyncio.Transport | None
+    ) -> None:
+        client = Subscriber(answer, transport)
+        self._clients.add(client)
+        sending = asyncio.create_task(client.run())
+        for outgoing in self._retained.values():
+            client.put(outgoing)
+        try:
+            async for message in answer:
+                if message.type == WSMsgType.ERROR:
+                    break
+        finally:
+            self._clients.discard(client)
+            sending.cancel()
+
+    async def _disconnect(self, _: web.Application) -> None:
+        for client in list(self._clients):
+            await client.close()
+
+
+def _listening(settings: WebSettings) -> socket.socket:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    try:
+        try:
+            return socket.create_server((settings.host, settings.port), family=family)
+        except OSError as error:
+            if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+                raise
+            listener = socket.create_server((settings.host, 0), family=family)
+    except OSError as error:
+        raise UserError(
+            f"web: port {settings.port} on {settings.host} cannot be opened ({error.strerror}); "
+            f"set [web] host to an address of this machine, such as 127.0.0.1, or use --no-web"
+        ) from error
+    log.warning(
+        "web: port %d is in use, so this service uses %d",
+        settings.port,
+        listener.getsockname()[1],
+    )
+    return listener
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host

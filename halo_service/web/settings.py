@@ -1,0 +1,25 @@
+"""Settings of the web server."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Interval
+
+DEFAULT_WEB_PORT = 4258
+
+
+@dataclass(frozen=True, slots=True)
+class WebSettings:
+    """`[web]` in halo.toml: WebSocket for browsers."""
+
+    enabled: bool = True
+    host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0 lets other machines connect."""
+    port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_WEB_PORT
+    """TCP port; a free one is used where it is in use."""
+    hosts: tuple[str, ...] = ()
+    """Names or addresses under which other machines open this server, such as `table.local`."""
+    origins: tuple[str, ...] = ()
+    """Pages of other hosts that may connect, such as `https://example.org`, or `null` for files."""

@@ -1,0 +1,200 @@
+"""Browsers get the stream; slow and hostile clients delay nobody."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, suppress
+from typing import Any
+
+import pytest
+from websockets.exceptions import InvalidStatus, WebSocketException
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
+
+import halo_protocol as wire
+from halo_service.errors import UserError
+from halo_service.outputs.outgoing import OutgoingReport
+from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
+from halo_service.web.settings import WebSettings
+from halo_service.web.subscriber import JSON, OSC, QUEUE
+from tests.outputs.samples import TOUCHING, fingers, frame
+
+SCENE = OutgoingReport("table", wire.Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 0, 0, 30.0))
+DOWN = wire.Down(7, 0, 0.5, 0.25, 210.0, 5.0, 3)
+
+
+@pytest.fixture
+def server() -> Iterator[WebServer]:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    with closing(WebServer(WebSettings(port=port))) as server:
+        yield server
+
+
+def client(server: WebServer, *protocols: str, **options: Any) -> ClientConnection:
+    wanted = [Subprotocol(each) for each in protocols] or None
+    return connect(server.url, subprotocols=wanted, compression=None, **options)
+
+
+def wait_for_clients(server: WebServer, count: int) -> None:
+    until = time.monotonic() + 10.0
+    while len(server._clients) != count:
+        assert time.monotonic() < until, f"{len(server._clients)} clients, not {count}"
+        time.sleep(0.01)
+
+
+def test_binary_messages_are_the_datagrams(server: WebServer) -> None:
+    with client(server, OSC) as socket_:
+        wait_for_clients(server, 1)
+        large = frame(1, fingers(12))
+        server.send(large)
+        assert [socket_.recv(5.0) for _ in large.datagrams] == large.datagrams
+        assert len(large.datagrams) == 2
+
+
+@pytest.mark.parametrize("protocols", [(JSON,), ()])
+def test_text_messages_are_the_json_view(server: WebServer, protocols: tuple[str, ...]) -> None:
+    with client(server, *protocols) as socket_:
+        wait_for_clients(server, 1)
+        server.send(frame(1, (TOUCHING,), (DOWN,)))
+        view = json.loads(socket_.recv(5.0))
+    assert view["kind"] == "frame" and view["surface"] == "table"
+    assert (view["node"], view["count"], view["session_ms"]) == ("desk", 1, 33)
+    assert view["time_us"] == 1_700_000_000_033_333
+    assert view["pointers"][0] == wire.to_json(TOUCHING)
+    assert view["events"] == [{"kind": "down", **wire.to_json(DOWN)}]
+
+
+def test_a_late_joiner_gets_the_scene_at_once(server: WebServer) -> None:
+    server.send(SCENE)
+    server.send(frame(1))
+    with client(server, OSC) as socket_:
+        assert socket_.recv(5.0) == SCENE.datagrams[0]
+
+
+@pytest.mark.parametrize(
+    ("headers", "says"),
+    [
+        ({"Origin": "https://evil.example"}, "[web] origins"),
+        ({"Origin": "null"}, "[web] origins"),
+        ({"Host": "evil.example"}, "[web] hosts"),
+    ],
+)
+def test_foreign_pages_are_refused(server: WebServer, headers: dict[str, str], says: str) -> None:
+    if "Host" in headers:
+        assert says in answer_to(server, host=headers["Host"])
+        return
+    with pytest.raises(InvalidStatus) as refused, client(server, additional_headers=headers):
+        pass
+    assert refused.value.response.status_code == 403
+    assert says in refused.value.response.body.decode()
+
+
+def answer_to(server: WebServer, host: str, path: str = "/halo") -> str:
+    with socket.create_connection(("127.0.0.1", server.port), 5.0) as raw:
+        raw.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n".encode())
+        return b"".join(iter(lambda: raw.recv(4096), b"")).decode()
+
+
+def test_a_browser_that_opens_the_address_gets_a_sentence(server: WebServer) -> None:
+    answer = answer_to(server, "localhost")
+    assert answer.startswith("HTTP/1.1 426 ")
+    assert f"subprotocols {JSON}, {OSC}" in answer
+
+
+def test_a_slow_client_loses_frames_and_delays_nobody(server: WebServer) -> None:
+    big = [frame(n, fingers(64)) for n in range(3000)]
+    with client(server, OSC, max_queue=1) as slow, client(server, OSC) as quick:
+        wait_for_clients(server, 2)
+        got: list[bytes] = []
+        reader = threading.Thread(target=read_all, args=(quick, got))
+        reader.start()
+        longest_s = 0.0
+        for each in big:
+            started_s = time.monotonic()
+            server.send(each)
+            longest_s = max(longest_s, time.monotonic() - started_s)
+            time.sleep(0.001)
+        server.send(frame(9999))
+        reader.join(30.0)
+        assert got[-1] == frame(9999).datagrams[0]
+        (lagging,) = [each for each in server._clients if each.dropped > 1000]
+        assert len(lagging._queue) <= QUEUE
+        # The newest is still there for it, once it reads on.
+        last = b""
+        with suppress(TimeoutError):
+            while last != frame(9999).datagrams[0]:
+                last = bytes(slow.recv(5.0))  # type: ignore[arg-type]
+        assert last == frame(9999).datagrams[0]
+    assert longest_s < 0.5, "a frame waited for a client"
+
+
+def read_all(socket_: ClientConnection, got: list[bytes]) -> None:
+    end = frame(9999).datagrams[0]
+    with suppress(TimeoutError):
+        while not got or got[-1] != end:
+            got[:] = [bytes(socket_.recv(20.0))]  # type: ignore[arg-type]
+
+
+def test_random_bytes_and_messages_end_only_their_connection(server: WebServer) -> None:
+    chance = random.Random(1)
+    with client(server, OSC) as good:
+        wait_for_clients(server, 1)
+        for _ in range(200):
+            with (
+                suppress(OSError),
+                socket.create_connection(("127.0.0.1", server.port), 5.0) as raw,
+            ):
+                raw.sendall(os.urandom(chance.randrange(1, 300)))
+        for n in range(30):
+            with suppress(WebSocketException, OSError), client(server) as bad:
+                bad.send(os.urandom(chance.randrange(1, 2 * LARGEST)))
+                bad.recv(0.05)
+            server.send(frame(n))
+            assert good.recv(5.0) == frame(n).datagrams[0]
+    wait_for_clients(server, 0)
+
+
+def test_the_number_of_clients_is_bounded(server: WebServer) -> None:
+    with ExitStack() as stack:
+        for _ in range(MAX_CLIENTS):
+            stack.enter_context(client(server, OSC))
+        wait_for_clients(server, MAX_CLIENTS)
+        with pytest.raises(InvalidStatus) as refused, client(server):
+            pass
+        assert refused.value.response.status_code == 503
+
+
+def test_a_port_in_use_is_replaced_by_a_free_one(
+    server: WebServer, caplog: pytest.LogCaptureFixture
+) -> None:
+    with closing(WebServer(WebSettings(port=server.port))) as other:
+        assert other.port != server.port
+        assert f"port {server.port} is in use, so this service uses {other.port}" in caplog.text
+        with client(other, OSC):
+            wait_for_clients(other, 1)
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "no.such.host.invalid"])
+def test_a_host_of_another_machine_is_one_sentence(host: str) -> None:
+    with pytest.raises(UserError, match=r"set \[web\] host to an address of this machine"):
+        WebServer(WebSettings(host=host))
+
+
+def test_closing_says_goodbye_to_clients() -> None:
+    server = WebServer(WebSettings(port=4258))
+    with client(server, OSC) as socket_:
+        wait_for_clients(server, 1)
+        ended = threading.Thread(target=server.close)
+        ended.start()
+        with pytest.raises(WebSocketException, match="1001"):
+            socket_.recv(5.0)
+        ended.join(10.0)
+    assert not server._thread.is_alive()

@@ -1,51 +1,75 @@
-"""Finds hands in a frame: blends infrared and colour, then runs the hand model."""
+"""How the service finds hands: in regions above a known surface, else in the whole image."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from halo_service.files import from_home
 from halo_service.geometry.camera import Camera
 from halo_service.hand_tracking.blend import ColourWarp, blend
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
+from halo_service.hand_tracking.region_tracker import RegionTracker
 from halo_service.profile import Profile
 from halo_service.settings import TrackingSettings
 from halo_service.values import Frame, Tracked
 
 ASSUMED_MM = 500.0
-"""Depth of a pixel without a measurement while there is no background: the height in the paper."""
+"""Depth of a pixel without a measurement while no background is known: the paper's height."""
+
+
+class _Tracker(Protocol):
+    def look(self, frame: Frame) -> Tracked: ...
+
+    def close(self) -> None: ...
 
 
 class HandDetector:
-    """A `runtime.Tracker`: MediaPipe on the paper's blended picture."""
+    """A `runtime.Tracker` on MediaPipe's hand model."""
 
     def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
-        """Load the hand model; download it if it is missing (`UserError` if that fails)."""
-        self._tracker = HandTracker(model_for(settings), max_hands=settings.max_hands)
-        self._warp = ColourWarp(camera, _background_mm(camera, profile))
+        """Load the model; `UserError` where there is none and none can be fetched.
+
+        `profile`: its background tells what is above the surface. None, before any calibration:
+        hands are sought in the whole image.
+        """
+        self._tracker = _tracker(camera, profile, model_for(settings), settings.max_hands)
 
     def look(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
+        return self._tracker.look(frame)
+
+    def close(self) -> None:
+        """Release the model."""
+        self._tracker.close()
+
+
+class _WholeImage:
+    """The paper's way: the model on the blend of infrared and colour."""
+
+    def __init__(self, camera: Camera, model: Path, max_hands: int) -> None:
+        shape = (camera.depth.height, camera.depth.width)
+        self._tracker = HandTracker(model, max_hands=max_hands)
+        self._warp = ColourWarp(camera, np.full(shape, ASSUMED_MM, np.float32))
+
+    def look(self, frame: Frame) -> Tracked:
         picture = blend(frame.ir, frame.colour, self._warp, frame.depth)
         return self._tracker.find(picture, frame.time_us)
 
     def close(self) -> None:
-        """Free the model."""
         self._tracker.close()
 
 
 def model_for(settings: TrackingSettings) -> Path:
-    """Return the path of the hand model; `UserError` if it is missing and the download fails."""
+    """Return the hand model's path; `UserError` where there is none and none can be fetched."""
     return hand_model(from_home(settings.model) if settings.model else None)
 
 
-def _background_mm(camera: Camera, profile: Profile | None) -> NDArray[np.float32]:
-    shape = (camera.depth.height, camera.depth.width)
-    if profile is None:
-        return np.full(shape, ASSUMED_MM, np.float32)
-    valid = profile.background.valid
-    return np.where(valid, profile.background.mean_mm, np.float32(ASSUMED_MM))
+def _tracker(camera: Camera, profile: Profile | None, model: Path, max_hands: int) -> _Tracker:
+    if profile is None or not profile.background.valid.any():
+        return _WholeImage(camera, model, max_hands)
+    background = profile.background
+    return RegionTracker(model, background.mean_mm, background.valid, camera.depth.fx, max_hands)

@@ -1,0 +1,133 @@
+"""Tracks hands in the regions that depth proposes: each hand by a hand model of its own.
+
+A hand that was found is looked at where it was; new ones are sought where something above the
+surface belongs to no known hand. With an empty table the model does not run at all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from halo_service.hand_tracking.hands import HandTracker
+from halo_service.hand_tracking.picture import in_image, region_picture
+from halo_service.hand_tracking.regions import (
+    PALM,
+    Heights,
+    Mask,
+    Region,
+    find_regions,
+    region_of_hand,
+)
+from halo_service.values import Frame, Hand, Tracked
+
+SAME_PALM_MM = 30.0
+"""Two palms nearer to each other than this are one hand, found twice."""
+RETRY_US = 300_000
+"""A region without a hand (a mug, an elbow) is looked at again after so long,"""
+RETRY_MM = 20.0
+"""or when its blob has moved this far."""
+
+
+@dataclass(slots=True)
+class _Slot:
+    """One hand model, which follows one hand from picture to picture."""
+
+    model: HandTracker
+    hand: Hand | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Empty:
+    """A region in which the model found no hand."""
+
+    region: Region
+    time_us: int
+
+
+class RegionTracker:
+    """Hands over a surface of which the empty depth is known. Used from one thread at a time."""
+
+    def __init__(
+        self, model_path: Path, background_mm: Heights, valid: Mask, focal_px: float, max_hands: int
+    ) -> None:
+        """`background_mm`, `valid`: (H, W) of the empty surface; `focal_px`: of the depth camera.
+
+        Raises UserError for a file that is no Hand Landmarker.
+        """
+        self._background_mm, self._valid = background_mm, valid
+        self._px_per_mm = focal_px / max(float(np.median(background_mm[valid])), 1.0)
+        self._slots = [_Slot(HandTracker(model_path, max_hands=1)) for _ in range(max_hands)]
+        self._empty: tuple[_Empty, ...] = ()
+
+    def look(self, frame: Frame) -> Tracked:
+        """Find the hands in one frame, in its own pixels."""
+        measured = (frame.depth > 0) & self._valid
+        height_mm = np.where(measured, self._background_mm - frame.depth, np.float32(0.0))
+        for slot in self._slots:
+            if slot.hand is not None:
+                region = region_of_hand(slot.hand, self._px_per_mm)
+                slot.hand = self._find(slot, region, height_mm, frame)
+        free = next((slot for slot in self._slots if slot.hand is None), None)
+        if free is not None:
+            self._search(free, height_mm, frame)
+        return Tracked(frame.time_us, tuple(self._hands()))
+
+    def close(self) -> None:
+        """Let the models go."""
+        for slot in self._slots:
+            slot.model.close()
+
+    def _hands(self) -> list[Hand]:
+        return [slot.hand for slot in self._slots if slot.hand is not None]
+
+    def _search(self, slot: _Slot, height_mm: Heights, frame: Frame) -> None:
+        """Look for one more hand, in the largest region that was not looked at lately."""
+        hands = self._hands()
+        proposed = find_regions(height_mm, self._valid, hands, self._px_per_mm)
+        recent = [e for e in self._empty if 0 <= frame.time_us - e.time_us < RETRY_US]
+        self._empty = tuple(recent)
+        region = next((each for each in proposed if not self._is_empty(each, recent)), None)
+        if region is None:
+            return
+        slot.hand = self._find(slot, region, height_mm, frame, hands)
+        if slot.hand is None:
+            self._empty = (*recent, _Empty(region, frame.time_us))
+
+    def _find(
+        self,
+        slot: _Slot,
+        region: Region,
+        height_mm: Heights,
+        frame: Frame,
+        hidden: Sequence[Hand] = (),
+    ) -> Hand | None:
+        """Return the hand in a region, None for none and for one that another slot has."""
+        picture = region_picture(height_mm, frame.ir, region, hidden)
+        if picture is None:
+            return None
+        found = slot.model.find(np.dstack([picture] * 3), frame.time_us).hands
+        if not found:
+            return None
+        hand = Hand(found[0].side, in_image(found[0].landmarks_px, region), found[0].confidence)
+        others = [each.hand for each in self._slots if each is not slot and each.hand is not None]
+        return None if self._is_one_of(hand, others) else hand
+
+    def _is_one_of(self, hand: Hand, others: Sequence[Hand]) -> bool:
+        least_px = SAME_PALM_MM * self._px_per_mm
+        return any(math.dist(_palm(hand), _palm(other)) < least_px for other in others)
+
+    def _is_empty(self, region: Region, recent: Sequence[_Empty]) -> bool:
+        near_px = RETRY_MM * self._px_per_mm
+        return any(
+            math.dist((region.x_px, region.y_px), (each.region.x_px, each.region.y_px)) < near_px
+            for each in recent
+        )
+
+
+def _palm(hand: Hand) -> list[float]:
+    return [float(each) for each in hand.landmarks_px[list(PALM)].mean(axis=0)]

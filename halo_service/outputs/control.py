@@ -34,6 +34,8 @@ class ControlMessage(NamedTuple):
     address: str
     arguments: tuple[wire.Argument, ...]
     sender: tuple[str, int]
+    size: int = 0
+    """Bytes of the datagram it came in."""
 
 
 class ControlPort:
@@ -74,6 +76,13 @@ class ControlPort:
             messages.append(self._queue.popleft())
         return messages
 
+    def reply(self, datagram: bytes, to: tuple[str, int]) -> None:
+        """Send a small answer; what cannot be sent now is dropped."""
+        try:
+            self._socket.sendto(datagram, to)
+        except OSError as error:
+            log.debug("control: no answer to %s:%d: %s", *to[:2], error)
+
     def close(self) -> None:
         """End the receiver and close the port."""
         self._ended.set()
@@ -91,7 +100,7 @@ class ControlPort:
             ) as error:  # Windows reports here that an earlier receiver closed its port
                 log.debug("control: %s", error)
                 continue
-            self._read(datagram, sender)
+            self._read(datagram, sender[:2])
 
     def _read(self, datagram: bytes, sender: tuple[str, int]) -> None:
         try:
@@ -103,7 +112,8 @@ class ControlPort:
                 log.warning("control: skipped a datagram from %s:%d: %s", *sender, error)
             return
         self._queue.extend(
-            ControlMessage(address, arguments, sender) for address, arguments in messages
+            ControlMessage(address, arguments, sender, len(datagram))
+            for address, arguments in messages
         )
 
 

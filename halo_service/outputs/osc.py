@@ -15,33 +15,54 @@ class OscOutput:
 
     def __init__(self, destinations: list[Destination]) -> None:
         """No host needs to exist: names are looked up while the service runs."""
-        senders = [UdpSender(each) for each in destinations]
-        streams = dict.fromkeys(each.stream for each in destinations)
-        self._channels = [
-            _Channel(stream, [each for each in senders if each.destination.stream == stream])
-            for stream in streams
-        ]
-        self._senders = senders
-        self._resolver = NameResolver(senders)
+        self._channels: dict[Stream, _Channel] = {}
+        self._leased: dict[Destination, UdpSender] = {}
+        self._senders = [self._add(each) for each in destinations]
+        self._resolver = NameResolver(self._senders)
 
     def send(self, outgoing: Outgoing) -> None:
         """Send to all destinations that receive this surface."""
-        for channel in self._channels:
+        for channel in self._channels.values():
             channel.send(outgoing)
+
+    def set_leased(self, destinations: list[Destination]) -> None:
+        """Set the destinations that come and go; their hosts are addresses, not names."""
+        if destinations == list(self._leased):
+            return
+        for gone in [each for each in self._leased if each not in destinations]:
+            self._remove(self._leased.pop(gone))
+        for each in destinations:
+            if each not in self._leased:
+                self._leased[each] = self._add(each)
 
     def close(self) -> None:
         """Close the sockets."""
         self._resolver.close()
-        for sender in self._senders:
+        for sender in (*self._senders, *self._leased.values()):
             sender.close()
+
+    def _add(self, destination: Destination) -> UdpSender:
+        sender = UdpSender(destination)
+        stream = destination.stream
+        if stream not in self._channels:
+            self._channels[stream] = _Channel(stream)
+        self._channels[stream].senders.append(sender)
+        return sender
+
+    def _remove(self, sender: UdpSender) -> None:
+        stream = sender.destination.stream
+        self._channels[stream].senders.remove(sender)
+        if not self._channels[stream].senders:
+            del self._channels[stream]
+        sender.close()
 
 
 class _Channel:
     """The destinations of one stream."""
 
-    def __init__(self, stream: Stream, senders: list[UdpSender]) -> None:
+    def __init__(self, stream: Stream) -> None:
         self._stream = stream
-        self._senders = senders
+        self.senders: list[UdpSender] = []
         self._format: Format = make_format(stream)
         self._throttle = Throttle(stream.rate_hz) if stream.rate_hz else None
 
@@ -49,7 +70,7 @@ class _Channel:
         if self._stream.surface not in ("", outgoing.surface):
             return
         datagrams = self._encoded(outgoing)
-        for sender in self._senders:
+        for sender in self.senders:
             sender.send(datagrams)
 
     def _encoded(self, outgoing: Outgoing) -> list[bytes]:

@@ -203,3 +203,15 @@ def test_ten_fingers_stay_below_the_largest_bundle(
         got = received(receiver)
         assert got, name
         assert max(map(len, got)) <= 1232, name
+
+
+def test_leased_destinations_come_and_go(listen: Callable[..., socket.socket]) -> None:
+    fixed, first, second = listen(), listen(), listen()
+    places = [parse_destination(f"127.0.0.1:{port_of(each)}/flat") for each in (first, second)]
+    with output(f"127.0.0.1:{port_of(fixed)}") as osc:
+        for n, leased in enumerate([places[:1], places, places[1:], []]):
+            osc.set_leased(leased)
+            osc.send(frame(n))
+    counts = [sum(b"/count" in raw for raw in received(each)) for each in (first, second)]
+    assert counts == [2, 2]
+    assert len(received(fixed)) == 4

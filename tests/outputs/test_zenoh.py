@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import zenoh
 
 import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import OutgoingFrame, OutgoingReport
 from halo_service.outputs.settings import ZenohSettings
 from halo_service.outputs.zenoh import ZenohOutput
@@ -180,3 +183,35 @@ def test_an_invalid_endpoint_is_reported_without_positions_in_zenohs_source(list
 def test_an_endpoint_in_use_is_one_sentence(endpoint: str, output: ZenohOutput) -> None:
     with pytest.raises(UserError, match="another service or router may have the port"):
         ZenohOutput(ZenohSettings(listen=(endpoint,)), "desk", "table")
+
+
+def test_two_services_with_one_name_both_notice(endpoint: str) -> None:
+    one, two = NameWatch("desk", "s1"), NameWatch("desk", "s2")
+    with (
+        closing(ZenohOutput(ZenohSettings(listen=(endpoint,)), "desk", "table", one)) as first,
+        closing(
+            ZenohOutput(
+                ZenohSettings(listen=("tcp/127.0.0.1:0",), connect=(endpoint,)),
+                "desk",
+                "table",
+                two,
+            )
+        ) as second,
+    ):
+        until = time.monotonic() + WAIT_S
+        while time.monotonic() < until:
+            first.send(OutgoingReport("table", SCENE))
+            second.send(OutgoingReport("table", replace(SCENE, session="s2")))
+            time.sleep(0.05)
+            if one.collision(time.monotonic()) and two.collision(time.monotonic()):
+                return
+    pytest.fail("a collision was not noticed")
+
+
+def test_a_service_does_not_collide_with_itself(endpoint: str) -> None:
+    names = NameWatch("desk", "s1")
+    with closing(ZenohOutput(ZenohSettings(listen=(endpoint,)), "desk", "table", names)) as alone:
+        for _ in range(10):
+            alone.send(OutgoingReport("table", SCENE))
+            time.sleep(0.02)
+    assert not names.collision(time.monotonic())

@@ -47,7 +47,7 @@ def test_what_is_set_is_set(tmp_path: Path) -> None:
         ("[tracking]\nmax_hands = 0\n", "tracking: 'max_hands' must be from 1 to 4, not 0"),
         ("[tracking]\nmax_hands = 5\n", "tracking: 'max_hands' must be from 1 to 4, not 5"),
         ("node = \n", "cannot be read"),
-        ("[control]\nprot = 9000\n", "known: host, port; did you mean 'port'?"),
+        ("[control]\nprot = 9000\n", "known: host, port, networks; did you mean 'port'?"),
         ("node = 'My Desk'\n", "'node' must be text that matches ^[a-z0-9_-]{1,32}$, not 'My"),
         ("node = 2026-01-01\n", "'node' must be text, not ['2026-01-01']"),
         ("[osc]\ndestinations = [9000]\n", "osc: 'destinations' must be a list of text, not 9000"),

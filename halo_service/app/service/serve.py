@@ -22,6 +22,7 @@ from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.osc import OscOutput
 from halo_service.outputs.settings import LISTEN
@@ -46,7 +47,9 @@ def serve(settings: Settings) -> None:
         surface = saved.surface.name if saved else DEFAULT_SURFACE[0]
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
-        carriers = _carriers(settings, names, surface, stack)
+        leases = Leases(node, session, settings.control.networks)
+        osc = stack.enter_context(closing(OscOutput(destinations(settings))))
+        carriers = [osc, *_carriers(settings, names, surface, stack)]
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
         profile = profile_for(source, saved, settings)
@@ -62,7 +65,7 @@ def serve(settings: Settings) -> None:
         folder = profile_path(settings.profile) if settings.profile else None
         reloader = ProfileReloader(folder, source.camera, profile)
         stack.callback(reloader.close)
-        handler = ControlHandler(control, reloader)
+        handler = ControlHandler(control, reloader, leases, osc)
         reopen_same = partial(_reopen_same, reopen, source.camera)
         loop = LiveLoop(
             source, reopen_same, tracker, state, publisher, handler.handle, reloader.watch
@@ -119,9 +122,6 @@ def _carriers(
     settings: Settings, names: NameWatch, surface: str, stack: ExitStack
 ) -> list[Carrier]:
     carriers: list[Carrier] = []
-    sent_to = destinations(settings)
-    if sent_to:
-        carriers.append(stack.enter_context(closing(OscOutput(sent_to))))
     if settings.zenoh.enabled:
         from halo_service.outputs.zenoh import ZenohOutput
 

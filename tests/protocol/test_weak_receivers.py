@@ -102,7 +102,9 @@ def test_with_timetags_a_receiver_behind_shows_frames_late(
 def delay_s(offset: str, send: Callable[[int, bytes], None], *, timetagged: bool = False) -> float:
     """Seconds until python-osc, with its clock off, passes a frame on."""
     command = ["faketime", "-f", offset, sys.executable, "-c", PYTHON_OSC]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as receiver:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as receiver:
         assert receiver.stdout is not None
         try:
             port = int(receiver.stdout.readline())

@@ -17,9 +17,6 @@ from halo_service.profile import Correction
 from halo_service.profile.model import Floats
 from halo_service.values import Fingertip
 
-LEAST_STRENGTH, MOST_STRENGTH = 0.3, 3.0
-"""Bounds of the correction: beyond them the samples are more likely wrong than the halo weak."""
-
 
 def correct(raw: float, tip: Fingertip, correction: Correction | None) -> float:
     """Return the corrected signal, mm px; the raw one without a sweep."""
@@ -33,8 +30,7 @@ def strength(
 ) -> float:
     """Return how strong a touch's halo is there, relative to the calibration's place and angle."""
     axes = (correction.x_mm, correction.y_mm, correction.pitch_deg, correction.yaw_deg)
-    read = _read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg))
-    return min(max(read, LEAST_STRENGTH), MOST_STRENGTH)
+    return _read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg))
 
 
 def dent_strength(correction: Correction | None, x_mm: float, y_mm: float) -> float:

@@ -10,7 +10,7 @@ from halo_calibration.errors import Refused
 from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.observe import Observer
 from halo_calibration.solvers.correction import Base, relative
-from halo_calibration.solvers.sweep import LIFTED, Samples, samples_of
+from halo_calibration.solvers.sweep import Samples, rests, samples_of
 from halo_calibration.solvers.touch import require_frames
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
@@ -50,9 +50,8 @@ def usable(samples: Samples, angle_deg: float) -> Samples:
     """Leave out lifted fingers, and angles that were read off something else."""
     if len(samples) == 0:
         return samples
-    on = samples[:, 4] > LIFTED * np.median(samples[:, 4])
     near = np.abs(samples[:, 2] - angle_deg) < NEAR_DEG
-    return np.asarray(samples[on & near], dtype=np.float64)
+    return np.asarray(samples[rests(samples) & near], dtype=np.float64)
 
 
 def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> Samples:

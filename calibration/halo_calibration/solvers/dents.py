@@ -7,6 +7,8 @@ own sweep, over the pitch, where the wedge covers one value only, from the base 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,14 +18,21 @@ Floats = NDArray[np.float64]
 
 ORDER = 3
 """Of the polynomials: a slope, a fall towards the edges, and that one edge is not the other."""
+POWERS = [(i, j) for i in range(ORDER + 1) for j in range(ORDER + 1 - i)]
+PLANE = [i + j for i, j in POWERS]
+"""Powers of x and y in each term over the plane, and its order."""
 PER_MM, PER_DEG = 0.01, 0.05
 """Make places and pitches about 1."""
 ROUNDS, OUTLIER_SIGMAS = 4, 3.0
 """A sample that lies farther off than this is left out of the next round: a misread finger."""
 LEAST_SAMPLES = 100
 """Fewer give no curve: three seconds of a sweep."""
-MOST_CHANGE = 1.5
-"""No dent is corrected by a larger factor: beyond it the samples are wrong."""
+SLOPE = 1.0
+"""Standard deviation that a slope of the logarithm has before any sample, per unit; halved with
+each power. It holds what the samples do not determine near 1, and limits nothing that they do
+(chosen: a halo may change by half its strength over the surface)."""
+CORRELATED = 15
+"""Samples in a row that count as one: half a second, in which a finger is misread alike."""
 KNOWN_PITCH_DEG = (30.0, 60.0)
 """Between the outermost wedges but one; beyond them fingers are misread, and the curve stays."""
 
@@ -42,10 +51,10 @@ def by_place(samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, floa
     def terms(places: Floats) -> Floats:
         return _plane((np.clip(places, low, high) - middle) * PER_MM)
 
-    weights = _fitted(terms(seen[:, :2]), np.log(seen[:, 5]))
+    weights = _fitted(terms(seen[:, :2]), np.log(seen[:, 5]), PLANE)
     grid = np.stack(np.meshgrid(x_mm, y_mm, indexing="ij"), axis=-1).reshape(-1, 2)
-    strength = _bounded(terms(grid) @ weights - terms(np.array([at])) @ weights)
-    return strength.reshape(len(x_mm), len(y_mm))
+    strength = np.exp(terms(grid) @ weights - terms(np.array([at])) @ weights)
+    return np.asarray(strength.reshape(len(x_mm), len(y_mm)))
 
 
 def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
@@ -63,9 +72,11 @@ def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
 
     # The place is fitted at the same time, so that it does not pass for pitch.
     weights = _fitted(
-        np.column_stack([_plane(seen[:, :2] * PER_MM), terms(seen[:, 2])]), np.log(seen[:, 5])
+        np.column_stack([_plane(seen[:, :2] * PER_MM), terms(seen[:, 2])]),
+        np.log(seen[:, 5]),
+        [*PLANE, *range(1, ORDER + 1)],
     )[-ORDER:]
-    return _bounded(terms(pitch_deg) @ weights - terms(np.array([at_deg])) @ weights)
+    return np.asarray(np.exp(terms(pitch_deg) @ weights - terms(np.array([at_deg])) @ weights))
 
 
 def _usable(samples: Samples) -> Samples:
@@ -75,19 +86,23 @@ def _usable(samples: Samples) -> Samples:
 def _plane(places: Floats) -> Floats:
     """Return the terms of a polynomial over the plane; (N, 2) to (N, terms)."""
     x, y = places.T
-    powers = [(i, j) for i in range(ORDER + 1) for j in range(ORDER + 1 - i)]
-    return np.column_stack([x**i * y**j for i, j in powers])
+    return np.column_stack([x**i * y**j for i, j in POWERS])
 
 
-def _fitted(terms: Floats, values: Floats) -> Floats:
-    """Return the weights of the terms, by least squares without what lies far off."""
+def _fitted(terms: Floats, values: Floats, orders: Sequence[int]) -> Floats:
+    """Return the weights of the terms, by ridge regression without what lies far off.
+
+    `orders`: of the terms; a constant, 0, is free.
+    """
+    prior = np.diag([order and (2.0 ** (order - 1) / SLOPE) ** 2 for order in orders])
     inliers = np.ones(len(values), np.bool_)
+    variance = 1.0
     for _ in range(ROUNDS):
-        weights = np.linalg.lstsq(terms[inliers], values[inliers], rcond=None)[0]
+        kept = terms[inliers]
+        weights = np.linalg.solve(
+            kept.T @ kept + CORRELATED * variance * prior, kept.T @ values[inliers]
+        )
         off = np.abs(values - terms @ weights)
-        inliers = off < OUTLIER_SIGMAS * 1.4826 * np.median(off[inliers]) + 1e-6
+        sigma = 1.4826 * float(np.median(off[inliers])) + 1e-6
+        inliers, variance = off < OUTLIER_SIGMAS * sigma, sigma**2
     return np.asarray(weights)
-
-
-def _bounded(logarithm: Floats) -> Floats:
-    return np.asarray(np.clip(np.exp(logarithm), 1.0 / MOST_CHANGE, MOST_CHANGE))

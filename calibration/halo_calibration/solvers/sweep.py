@@ -23,8 +23,9 @@ CELL_SAMPLES = 3
 LEAST_COVERED = 0.6
 GOOD_COVERED = 0.85
 """Share of the cells."""
-LIFTED = 0.35
-"""A sample below this share of the median is a finger that was lifted."""
+LIFTED = 0.2
+"""A sample below this share of a strong one is a finger that was lifted (chosen: the halo of a
+touch may be four times as weak in a corner)."""
 MOST_LIFTED = 0.25
 """More of these, and the finger was not on the surface."""
 
@@ -67,7 +68,7 @@ def check_sweep(swept: SweepObservations, surface: Surface, step: str = "sweep")
     require_frames(step, swept.wanted, swept.came)
     require_seen(step, swept.came, len(swept.seen))
     samples = samples_of(swept.seen)
-    lifted = samples[:, 4] < LIFTED * np.median(samples[:, 4])
+    lifted = ~rests(samples)
     if np.count_nonzero(lifted) > MOST_LIFTED * len(samples):
         share = 100.0 * np.count_nonzero(lifted) / len(samples)
         raise Refused(
@@ -83,6 +84,11 @@ def check_sweep(swept: SweepObservations, surface: Surface, step: str = "sweep")
             f"{_missing(counts)}: draw the finger over all of it, out to the edges, and sweep again"
         )
     return samples
+
+
+def rests(samples: Samples) -> NDArray[np.bool_]:
+    """Return which samples are of a finger on the surface; a quarter of them must be."""
+    return np.asarray(samples[:, 4] > LIFTED * np.percentile(samples[:, 4], 75.0))
 
 
 def coverage(counts: NDArray[np.int_]) -> float:

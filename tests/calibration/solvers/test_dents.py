@@ -65,6 +65,26 @@ def test_beyond_the_swept_area_its_edge_goes_on(sweep: Floats) -> None:
     assert grid[0] == grid[1] == pytest.approx(grid[2], rel=0.01)
 
 
+def test_a_dent_that_is_four_times_as_deep_at_one_end_is_learned_without_a_limit() -> None:
+    rng = np.random.default_rng(7)
+    x, y = rng.uniform(5.0, 295.0, 600), rng.uniform(5.0, 195.0, 600)
+    true = np.exp((x - AT[0]) / 140.0 * np.log(4.0))
+    ends = np.array([10.0, 290.0])
+    read = by_place(swept(true, x, y, np.full(600, 45.0)), ends, np.array([100.0]), AT)
+    assert read[:, 0] == pytest.approx([0.25, 4.0], rel=0.03)
+
+
+def test_a_corner_without_samples_stays_close_to_its_neighbours() -> None:
+    rng = np.random.default_rng(8)
+    x, y = rng.uniform(5.0, 295.0, 600), rng.uniform(5.0, 195.0, 600)
+    swept_part = (x > 200.0) | (y > 120.0)
+    samples = swept(place_truth(x, y), x, y, np.full(600, 45.0))[swept_part]
+    samples[:, 5] *= rng.normal(1.0, 0.1, len(samples))
+    corner = by_place(samples, np.array([20.0]), np.array([20.0]), AT)
+    true = place_truth(np.array([20.0]), np.array([20.0]))
+    assert corner[0] == pytest.approx(true, rel=0.2)
+
+
 def test_pitch_is_told_apart_from_place_within_the_wedges(pilots: Floats) -> None:
     curve = by_pitch(pilots, PITCH_DEG, 45.0)
     assert curve == pytest.approx(pitch_truth(np.clip(PITCH_DEG, 30.0, 60.0)), abs=0.006)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -79,6 +81,14 @@ def test_a_corrected_touch_varies_at_most_half_as_much_as_the_raw_one(
 
 def test_the_correction_is_one_where_the_states_were_held(correction: Correction) -> None:
     assert strength(correction, 150.0, 100.0, 45.0, 0.0) == pytest.approx(1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("share", [0.2, 5.0])
+def test_a_halo_far_weaker_or_stronger_than_where_the_states_were_held_is_corrected(
+    correction: Correction, share: float
+) -> None:
+    changed = replace(correction, strength=np.full_like(correction.strength, share))
+    assert strength(changed, 150.0, 100.0, 45.0, 0.0) == pytest.approx(share)
 
 
 def test_two_fits_of_the_same_samples_are_equal(correction: Correction) -> None:

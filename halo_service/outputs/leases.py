@@ -14,20 +14,24 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import halo_protocol as wire
+from halo_protocol.handshake import (
+    EXPIRED,
+    GOODBYE,
+    HELLO,
+    LEAST_HELLO,
+    WELCOME,
+    with_token,
+)
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.formats.packing import Template
 
-HELLO, LEASE, GOODBYE = (f"/halo/1/control/{each}" for each in ("hello", "lease", "goodbye"))
-WELCOME, EXPIRED = "/halo/1/control/welcome", "/halo/1/control/expired"
 LEASE_S = 10.0
 """A stream ends so long after its client last asked; clients ask every 3 s."""
 MOST_LEASES = 64
 MOST_WELCOMES = 256
 """Welcomes whose token may still come back; the oldest is dropped."""
-LEAST_HELLO = 256
-"""Bytes of a hello, filled up by its padding: no answer is larger than its question."""
 LONGEST_REASON = 80
 
 
@@ -130,7 +134,7 @@ class Leases:
         known = lease.destination if lease else self._welcomed.get(token)
         full = lease is None and len(self._leases) >= MOST_LEASES
         if known is None or known.host != sender[0] or full:
-            return [Reply(Template(EXPIRED, "", token[:32]).pack()[4:], sender)]
+            return [Reply(with_token(EXPIRED, token[:32]), sender)]
         self._welcomed.pop(token, None)
         self._leases[token] = _Lease(known, now_s + LEASE_S)
         return []

@@ -43,7 +43,7 @@ def frames_in(events: list[Event]) -> list[TouchFrame]:
 @pytest.fixture
 def received(udp_service: Callable[..., Any]) -> Iterator[tuple[Receiver, Any]]:
     """A receiver on a free port and a service that sends there."""
-    with halo_client.receive("osc://127.0.0.1:0") as receiver:
+    with halo_client.connect("osc://127.0.0.1:0") as receiver:
         yield receiver, udp_service(int(receiver.url.rpartition(":")[2]))
 
 
@@ -138,32 +138,32 @@ def test_a_closed_iterator_gives_its_port_back(
     frames = halo_client.frames(f"osc://127.0.0.1:{free_port}", timeout_s=0.01)
     assert next(frames) is None
     frames.close()
-    with halo_client.receive(f"osc://127.0.0.1:{free_port}"):
+    with halo_client.connect(f"osc://127.0.0.1:{free_port}"):
         pass
 
 
 def test_a_port_in_use_is_one_sentence_with_the_remedy(free_port: int) -> None:
     url = f"osc://127.0.0.1:{free_port}"
-    with halo_client.receive(url), pytest.raises(ClientError) as refused:
-        halo_client.receive(url)
+    with halo_client.connect(url), pytest.raises(ClientError) as refused:
+        halo_client.connect(url)
     assert str(refused.value).startswith(f"UDP port {free_port} on 127.0.0.1 is in use")
     assert f"osc://127.0.0.1:{free_port + 2}" in str(refused.value)
 
 
 def test_an_address_of_another_machine_is_one_sentence() -> None:
     with pytest.raises(ClientError, match=r"is 192\.0\.2\.1 an address of this machine"):
-        halo_client.receive("osc://192.0.2.1:4256")
+        halo_client.connect("osc://192.0.2.1:4256")
 
 
 def test_closing_twice_is_fine(free_port: int) -> None:
-    receiver = halo_client.receive(f"osc://127.0.0.1:{free_port}")
+    receiver = halo_client.connect(f"osc://127.0.0.1:{free_port}")
     receiver.close()
     receiver.close()
 
 
 def test_a_udp_client_does_not_load_zenoh() -> None:
     program = (
-        "import sys, halo_client; halo_client.receive('osc://127.0.0.1:0').close(); "
+        "import sys, halo_client; halo_client.connect('osc://127.0.0.1:0').close(); "
         "sys.exit('zenoh' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", program], timeout=30).returncode == 0
@@ -172,7 +172,7 @@ def test_a_udp_client_does_not_load_zenoh() -> None:
 def test_a_tap_arrives_by_zenoh(zenoh_service: Callable[..., Any], free_tcp_port: int) -> None:
     endpoint = f"tcp/127.0.0.1:{free_tcp_port}"
     service = zenoh_service(endpoint)
-    with halo_client.receive(f"zenoh://?connect={endpoint}") as receiver:
+    with halo_client.connect(f"zenoh://?connect={endpoint}") as receiver:
         connect(receiver, service)
         service.tap()
         frames = frames_in(receive_all(receiver, lambda e: len(frames_in(e)) == 4))
@@ -194,7 +194,7 @@ def test_a_zenoh_service_may_start_later_and_anew(
     zenoh_service: Callable[..., Any], free_tcp_port: int
 ) -> None:
     endpoint = f"tcp/127.0.0.1:{free_tcp_port}"
-    with halo_client.receive(f"zenoh://?connect={endpoint}") as receiver:
+    with halo_client.connect(f"zenoh://?connect={endpoint}") as receiver:
         assert receiver.poll(0.05) == []
         service = zenoh_service(endpoint)
         connect(receiver, service)
@@ -209,11 +209,11 @@ def test_a_zenoh_service_may_start_later_and_anew(
 def test_a_busy_zenoh_client_keeps_the_newest(
     zenoh_service: Callable[..., Any], free_tcp_port: int
 ) -> None:
-    from halo_client.zenoh_input import RING
+    from halo_client.ring import RING
 
     endpoint = f"tcp/127.0.0.1:{free_tcp_port}"
     service = zenoh_service(endpoint)
-    with halo_client.receive(f"zenoh://?connect={endpoint}") as receiver:
+    with halo_client.connect(f"zenoh://?connect={endpoint}") as receiver:
         connect(receiver, service)
         for _ in range(3 * RING):
             service.frame()
@@ -227,7 +227,7 @@ def test_a_busy_zenoh_client_keeps_the_newest(
 @pytest.mark.parametrize("url", ["zenoh://?connect=nonsense", "zenoh://?listen=tcp/192.0.2.1:1"])
 def test_a_zenoh_endpoint_that_cannot_be_is_one_sentence(url: str) -> None:
     with pytest.raises(ClientError, match="cannot open Zenoh with") as refused:
-        halo_client.receive(url)
+        halo_client.connect(url)
     assert "\n" not in str(refused.value)
     assert ".rs:" not in str(refused.value)
 
@@ -266,7 +266,7 @@ def test_the_first_service_is_followed_and_others_are_named(
 def test_another_service_can_be_followed_or_all(
     udp_service: Callable[..., Any], query: str, followed: list[str]
 ) -> None:
-    with halo_client.receive(f"osc://127.0.0.1:0{query}") as receiver:
+    with halo_client.connect(f"osc://127.0.0.1:0{query}") as receiver:
         service = udp_service(int(receiver.url.rpartition(":")[2]))
         datagrams = from_services(("desk", "s1", 1), ("wall", "s2", 1))
         assert [session for session, _ in sessions(receiver, datagrams, service)] == followed

@@ -46,7 +46,7 @@ def written(folder: Path, lines: list[dict[str, Any]]) -> Path:
 
 def test_a_file_is_read_to_its_end_and_its_open_touches_are_ended(tmp_path: Path) -> None:
     source = FileSource(written(tmp_path, TAP), paced=False)
-    with halo_client.receive(source) as receiver:
+    with halo_client.connect(source) as receiver:
         frames = list(receiver.frames())
         assert receiver.ended
         assert receiver.poll(0.0) == []
@@ -64,7 +64,7 @@ def test_a_path_is_replayed_at_its_own_speed(tmp_path: Path) -> None:
 
 
 def test_while_the_next_frame_is_not_due_a_picture_can_be_drawn(tmp_path: Path) -> None:
-    with halo_client.receive(str(written(tmp_path, [line(0), line(100)]))) as receiver:
+    with halo_client.connect(str(written(tmp_path, [line(0), line(100)]))) as receiver:
         assert len(receiver.poll(0.01)) == 1
         assert receiver.poll(0.01) == []
         assert not receiver.ended
@@ -76,12 +76,12 @@ def test_what_the_monitor_writes_is_read_back(tmp_path: Path) -> None:
         "version": "1.0.0", "width_mm": 300.0, "height_mm": 200.0, "calibration": "complete",
         "revision": 0, "source": "virtual", "rate_hz": 30.0, "control_port": 4257, "collision": 0,
     }  # fmt: skip
-    with halo_client.receive(FileSource(written(tmp_path, [scene, *TAP]), False)) as receiver:
+    with halo_client.connect(FileSource(written(tmp_path, [scene, *TAP]), False)) as receiver:
         events = [event for _ in range(5) for event in receiver.poll(0.0)]
         assert any(isinstance(event, Lost) for event in events)
     again = tmp_path / "again.jsonl"
     again.write_text("".join(json.dumps(event_to_json(event)) + "\n" for event in events))
-    with halo_client.receive(FileSource(again, False)) as receiver:
+    with halo_client.connect(FileSource(again, False)) as receiver:
         back = [event for _ in range(5) for event in receiver.poll(0.0)]
     frames = [event for event in events if isinstance(event, TouchFrame)]
     assert [event for event in back if isinstance(event, TouchFrame)][: len(frames) - 1] == (
@@ -111,7 +111,7 @@ def test_a_file_that_is_not_a_stream_is_one_sentence(
 ) -> None:
     path = tmp_path / "recording.jsonl"
     path.write_bytes(content)
-    with halo_client.receive(FileSource(path, False)) as receiver, pytest.raises(ClientError) as no:
+    with halo_client.connect(FileSource(path, False)) as receiver, pytest.raises(ClientError) as no:
         list(receiver.frames())
     assert says in str(no.value)
     assert "\n" not in str(no.value)
@@ -119,7 +119,7 @@ def test_a_file_that_is_not_a_stream_is_one_sentence(
 
 def test_a_file_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(ClientError, match=r"cannot read .*none\.jsonl"):
-        halo_client.receive(str(tmp_path / "none.jsonl"))
+        halo_client.connect(str(tmp_path / "none.jsonl"))
 
 
 def test_a_lost_line_gives_no_datagram() -> None:
@@ -130,7 +130,7 @@ def test_a_lost_line_gives_no_datagram() -> None:
 def test_another_major_version_is_counted_and_logged_once(
     udp_service: Callable[..., Any], caplog: pytest.LogCaptureFixture, major: int
 ) -> None:
-    with halo_client.receive("osc://127.0.0.1:0") as receiver:
+    with halo_client.connect("osc://127.0.0.1:0") as receiver:
         service = udp_service(int(receiver.url.rpartition(":")[2]))
         address = f"/halo/{major}/table/frame".encode().ljust(24, b"\0")
         for _ in range(3):

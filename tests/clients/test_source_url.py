@@ -2,7 +2,15 @@
 
 import pytest
 
-from halo_client import ClientError, Follow, OscSource, ZenohSource, parse_source
+from halo_client import (
+    ClientError,
+    Follow,
+    OscSource,
+    Source,
+    WebSource,
+    ZenohSource,
+    parse_source,
+)
 
 HERE = ("tcp/127.0.0.1:7447",)
 
@@ -17,6 +25,15 @@ HERE = ("tcp/127.0.0.1:7447",)
         ("osc://:0", OscSource("127.0.0.1", 0)),
         ("osc://?node=desk", OscSource("127.0.0.1", 4256, Follow("desk"))),
         ("osc://:1?follow=all", OscSource("127.0.0.1", 1, Follow(everything=True))),
+        ("osc://?hello=127.0.0.1", OscSource("", 0, hello=("127.0.0.1", 4257))),
+        (
+            "osc://0.0.0.0:5000?hello=table.local:4300&rate=30&node=desk",
+            OscSource("0.0.0.0", 5000, Follow("desk"), ("table.local", 4300), "frames,rate=30"),
+        ),
+        ("osc://?hello=[::1]:5", OscSource("", 0, hello=("::1", 5))),
+        ("ws://127.0.0.1:4258/halo", WebSource("ws://127.0.0.1:4258/halo")),
+        ("ws://[::1]?surface=wall", WebSource("ws://[::1]:4258/halo", Follow(surface="wall"))),
+        ("wss://table.local:443/", WebSource("wss://table.local:443/halo")),
         ("zenoh://", ZenohSource(HERE)),
         ("zenoh://?connect=tcp/10.0.0.1:1", ZenohSource(("tcp/10.0.0.1:1",))),
         ("zenoh://?connect=tcp/a:1&connect=udp/b:2", ZenohSource(("tcp/a:1", "udp/b:2"))),
@@ -29,7 +46,7 @@ HERE = ("tcp/127.0.0.1:7447",)
         ),
     ],
 )
-def test_a_source_is_understood(url: str, source: OscSource | ZenohSource) -> None:
+def test_a_source_is_understood(url: str, source: Source) -> None:
     assert parse_source(url) == source
 
 
@@ -44,10 +61,17 @@ def test_a_source_is_understood(url: str, source: OscSource | ZenohSource) -> No
         ("osc://127.0.0.1:4256/path", "needs a host and a port"),
         (
             "osc://127.0.0.1:4256?a=b",
-            "osc: unknown setting 'a'; choose from: node, surface, follow",
+            "osc: unknown setting 'a'; choose from: hello, rate, node, surface, follow",
         ),
         ("osc://?node=A", "osc: node must be"),
         ("osc://?follow=some", "osc: follow is first or all"),
+        ("osc://?rate=30", "rate needs hello"),
+        ("osc://?hello=", "hello is the control port"),
+        ("osc://?hello=host:99999", "cannot read hello"),
+        ("osc://?hello=host/path", "hello is the control port"),
+        ("ws://", "ws needs a host"),
+        ("ws://host/other", "ws needs a host"),
+        ("ws://host?hello=other", "ws: unknown setting 'hello'"),
         ("zenoh://host", "accepts settings only"),
         (
             "zenoh://?conect=tcp/127.0.0.1:1",

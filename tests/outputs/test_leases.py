@@ -8,19 +8,10 @@ import random
 import pytest
 
 import halo_protocol as wire
+from halo_protocol.handshake import EXPIRED, GOODBYE, HELLO, LEASE, LEAST_HELLO, WELCOME
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
-from halo_service.outputs.leases import (
-    EXPIRED,
-    GOODBYE,
-    HELLO,
-    LEASE,
-    LEASE_S,
-    LEAST_HELLO,
-    MOST_LEASES,
-    WELCOME,
-    Leases,
-)
+from halo_service.outputs.leases import LEASE_S, MOST_LEASES, Leases
 
 HERE = ("127.0.0.1", 5000)
 NETWORKS = ("127.0.0.0/8", "::1/128")

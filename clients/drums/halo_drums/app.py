@@ -126,7 +126,7 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
 
 def _play(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
     with ExitStack() as stack:
-        receiver = stack.enter_context(halo_client.receive(options.source))
+        receiver = stack.enter_context(halo_client.connect(options.source))
         instrument = _instrument(options, kit, settings, stack)
         stage = None
         if not options.no_window:

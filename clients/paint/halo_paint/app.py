@@ -51,7 +51,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if options.render:
             return _render(options, painter)
         with ExitStack() as stack:
-            receiver = stack.enter_context(halo_client.receive(options.source))
+            receiver = stack.enter_context(halo_client.connect(options.source))
             stage = stack.enter_context(Stage(NAME, options.full_screen, options.display))
             App(receiver, stage, painter, options.save_to).run()
         return 0

@@ -1,8 +1,14 @@
-"""Receive touch, hover and pressure from a halo service, over OSC or Zenoh, or from a file.
+"""Receive touch, hover and pressure from a halo service: OSC, WebSocket, Zenoh or a file.
 
     for frame in halo_client.frames("osc://127.0.0.1:4256"):
         for pointer in frame.pointers:
             print(pointer.id, pointer.x_mm, pointer.y_mm, pointer.pressure)
+
+or, with functions that are called:
+
+    with halo_client.connect("ws://127.0.0.1:4258/halo") as receiver:
+        receiver.on_down(lambda touch: print(touch.down.u, touch.down.v))
+        receiver.run()
 
 It depends on `halo_protocol` and never on the service.
 """
@@ -24,6 +30,7 @@ from halo_client.source import (
     FileSource,
     OscSource,
     Source,
+    WebSource,
     ZenohSource,
     parse_source,
 )
@@ -48,23 +55,25 @@ __all__ = [
     "Source",
     "Touch",
     "TouchKey",
+    "WebSource",
     "ZenohSource",
+    "connect",
     "frames",
     "parse_source",
-    "receive",
     "touches",
     "waiting",
 ]
 
 
-def receive(source: str | Source = DEFAULT_SOURCE, *, everything: bool = False) -> Receiver:
+def connect(source: str | Source = DEFAULT_SOURCE, *, everything: bool = False) -> Receiver:
     """Open a source; close the receiver, or use it in a `with`.
 
     `"osc://127.0.0.1:4256"` receives datagrams on a port of this machine,
-    `"zenoh://?connect=tcp/127.0.0.1:7447"` subscribes, `"recording.jsonl"` replays a recorded
+    `"osc://?hello=127.0.0.1:4257"` asks a service to send them, `"ws://127.0.0.1:4258/halo"` and
+    `"zenoh://?connect=tcp/127.0.0.1:7447"` subscribe, `"recording.jsonl"` replays a recorded
     stream at its own speed. It follows the first service that sends a frame, or the one named by
-    `?node=...&surface=...`; `everything` reports all services. `ClientError` if it cannot be
-    opened.
+    `?node=...&surface=...`; `everything` reports all services. A service may start later or
+    restart. `ClientError` if the source cannot be opened.
     """
     if isinstance(source, str):
         source = parse_source(source)
@@ -89,7 +98,7 @@ def frames(
 
     The source is opened with the first frame that is read, and closed with the iterator.
     """
-    with receive(source) as receiver:
+    with connect(source) as receiver:
         yield from receiver.frames(timeout_s)
 
 
@@ -103,6 +112,10 @@ def _open(source: Source) -> Input:
         from halo_client.jsonl import JsonlInput
 
         return JsonlInput(source)
+    if isinstance(source, WebSource):
+        from halo_client.websocket_input import WebSocketInput
+
+        return WebSocketInput(source)
     from halo_client.zenoh_input import ZenohInput
 
     return ZenohInput(source)

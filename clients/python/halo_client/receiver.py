@@ -10,13 +10,14 @@ import logging
 import math
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, Self, overload
 
 from halo_client.errors import EndOfStream
 from halo_client.follow import FIRST, Follow, Follower
 from halo_client.known_services import KnownServices
+from halo_client.touches import Began, Callbacks, Ended, Moved
 from halo_protocol import (
     VERSION,
     Assembler,
@@ -78,6 +79,7 @@ class Receiver:
         self._follower = Follower(follow)
         self._assembler = Assembler()
         self._warned: set[str] = set()
+        self._callbacks = Callbacks()
         self.losses = Losses()
         self.ended = False
         """Whether a recorded stream is over; its open touches were ended."""
@@ -104,7 +106,27 @@ class Receiver:
         for event in events:
             self._remember(event)
         self.losses.dropped = self._assembler.dropped
-        return [event for each in events for event in self._followed(each)]
+        followed = [event for each in events for event in self._followed(each)]
+        self._callbacks.call(followed)
+        return followed
+
+    def on_down(self, function: Callable[[Began], object]) -> None:
+        """Call a function with each touch that begins, during `poll`, `frames` or `run`."""
+        self._callbacks.down.append(function)
+
+    def on_move(self, function: Callable[[Moved], object]) -> None:
+        """Call a function in each frame with each touch that goes on."""
+        self._callbacks.move.append(function)
+
+    def on_up(self, function: Callable[[Ended], object]) -> None:
+        """Call a function with each touch that ends, also if its service is lost."""
+        self._callbacks.up.append(function)
+
+    def run(self, seconds: float = math.inf) -> None:
+        """Call the functions until the time is over or a recorded stream ends."""
+        until_s = time.monotonic() + seconds
+        while not self.ended and (left_s := until_s - time.monotonic()) > 0:
+            self.poll(min(left_s, _TICK_S))
 
     @overload
     def frames(self, timeout_s: None = None) -> Iterator[TouchFrame]: ...

@@ -11,14 +11,26 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from halo_client.errors import ClientError
 from halo_client.follow import FIRST, Follow
-from halo_protocol import ANY, DEFAULT_PORT, ProtocolError, check_name, check_surface
+from halo_protocol import (
+    ANY,
+    DEFAULT_CONTROL_PORT,
+    DEFAULT_PORT,
+    ProtocolError,
+    check_name,
+    check_surface,
+)
 
 DEFAULT_SOURCE = f"osc://127.0.0.1:{DEFAULT_PORT}"
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 FOLLOW_SETTINGS = ("node", "surface", "follow")
 RECORDED = ".jsonl"
 """File name suffix of a recorded stream."""
-_EXAMPLES = f"{DEFAULT_SOURCE} or zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
+DEFAULT_WEB_PORT = 4258
+WEB_PATH = "/halo"
+_EXAMPLES = (
+    f"{DEFAULT_SOURCE}, ws://127.0.0.1:{DEFAULT_WEB_PORT}{WEB_PATH} or "
+    f"zenoh://?connect={DEFAULT_ZENOH_ENDPOINT}"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +41,20 @@ class OscSource:
     """Address to listen on; 0.0.0.0 receives from the whole network."""
     port: int
     """0: a free port, chosen by the system."""
+    follow: Follow = FIRST
+    """Which service to follow."""
+    hello: tuple[str, int] | None = None
+    """Control port of a service that is asked to send here; None: it sends by its settings."""
+    stream: str = "frames"
+    """What it is asked for, such as `frames,rate=30`."""
+
+
+@dataclass(frozen=True, slots=True)
+class WebSource:
+    """The WebSocket of a service."""
+
+    url: str
+    """Without the settings, such as `ws://127.0.0.1:4258/halo`."""
     follow: Follow = FIRST
     """Which service to follow."""
 
@@ -58,16 +84,17 @@ class FileSource:
     """Whether frames come at their recorded times, or as fast as they are read."""
 
 
-Source = OscSource | ZenohSource | FileSource
+Source = OscSource | WebSource | ZenohSource | FileSource
 
 
 def parse_source(url: str) -> Source:
-    """Read `osc://HOST:PORT`, `zenoh://?connect=...` or `FILE.jsonl`; else `ClientError`.
+    """Read `osc://HOST:PORT`, `ws://HOST:PORT`, `zenoh://?...` or `FILE.jsonl`; else `ClientError`.
 
-    Both: `?node=...&surface=...` names the service to follow, else the first one is followed;
-    `follow=all` reports every service. Zenoh also has `connect` and `listen` (any number of
-    each), `multicast=on|off` and `mode=peer|client`; without `connect` and with multicast off,
-    the source is the service on this machine.
+    All but files: `?node=...&surface=...` names the service to follow, else the first one is
+    followed; `follow=all` reports every service. OSC: `hello=HOST:PORT` asks a service to send
+    here, to a free port if the URL names none, and `rate=30` limits its frames per second. Zenoh:
+    `connect` and `listen` (any number of each), `multicast=on|off` and `mode=peer|client`; without
+    `connect` and with multicast off, the source is the service on this machine.
     """
     if url.endswith(RECORDED) and "://" not in url:
         return FileSource(Path(url))
@@ -78,6 +105,8 @@ def parse_source(url: str) -> Source:
         raise ClientError(f"cannot read the source {url!r} ({error}); use {_EXAMPLES}") from error
     if parts.scheme == "osc":
         return _osc(url, parts, port)
+    if parts.scheme in ("ws", "wss"):
+        return _web(url, parts)
     if parts.scheme == "zenoh":
         return _zenoh(url, parts)
     raise ClientError(f"unknown source {url!r}; use {_EXAMPLES}, or a file FILE{RECORDED}")
@@ -86,12 +115,44 @@ def parse_source(url: str) -> Source:
 def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:
     if parts.path not in ("", "/"):
         raise ClientError(f"osc needs a host and a port, not {url!r}; use {DEFAULT_SOURCE}")
-    settings = _settings("osc", parts, FOLLOW_SETTINGS)
+    settings = _settings("osc", parts, ("hello", "rate"))
+    hello = _place(settings["hello"][-1]) if "hello" in settings else None
+    if "rate" in settings and hello is None:
+        raise ClientError("osc: rate needs hello=HOST:PORT, the service that is asked to send")
+    default = DEFAULT_PORT if hello is None else 0
     return OscSource(
-        parts.hostname or "127.0.0.1",
-        DEFAULT_PORT if port is None else port,
+        parts.hostname or ("127.0.0.1" if hello is None else ""),
+        default if port is None else port,
         _follow("osc", settings),
+        hello,
+        f"frames,rate={settings['rate'][-1]}" if "rate" in settings else "frames",
     )
+
+
+def _place(text: str) -> tuple[str, int]:
+    """Host and control port of a service."""
+    try:
+        parts = urlsplit(f"//{text}")
+        port = DEFAULT_CONTROL_PORT if parts.port is None else parts.port
+    except ValueError as error:
+        raise ClientError(f"osc: cannot read hello={text!r} ({error})") from error
+    if not parts.hostname or not port or parts.path:
+        raise ClientError(
+            f"osc: hello is the control port of a service, such as "
+            f"127.0.0.1:{DEFAULT_CONTROL_PORT}, not {text!r}"
+        )
+    return parts.hostname, port
+
+
+def _web(url: str, parts: SplitResult) -> WebSource:
+    if not parts.hostname or parts.path not in ("", "/", WEB_PATH):
+        raise ClientError(
+            f"{parts.scheme} needs a host, a port and {WEB_PATH}, not {url!r}; "
+            f"use ws://127.0.0.1:{DEFAULT_WEB_PORT}{WEB_PATH}"
+        )
+    host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
+    place = f"{parts.scheme}://{host}:{parts.port or DEFAULT_WEB_PORT}{WEB_PATH}"
+    return WebSource(place, _follow("ws", _settings("ws", parts, FOLLOW_SETTINGS)))
 
 
 def _zenoh(url: str, parts: SplitResult) -> ZenohSource:

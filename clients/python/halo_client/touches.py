@@ -6,9 +6,10 @@ the touches of a lost service. A client that joins during a touch gets `Moved` f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
-from halo_protocol import Down, Pointer, TouchFrame, Up
+from halo_protocol import Down, Event, Pointer, TouchFrame, Up
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,3 +77,32 @@ def touches(frame: TouchFrame) -> list[Touch]:
 
 def _key(frame: TouchFrame, item: Down | Up | Pointer) -> TouchKey:
     return TouchKey(frame.node, frame.surface, frame.session, item.id, item.contacts)
+
+
+@dataclass(slots=True)
+class Callbacks:
+    """Functions that are called with touches, in the order in which they were added."""
+
+    down: list[Callable[[Began], object]] = field(default_factory=list)
+    move: list[Callable[[Moved], object]] = field(default_factory=list)
+    up: list[Callable[[Ended], object]] = field(default_factory=list)
+
+    def call(self, events: Iterable[Event]) -> None:
+        """Call the functions with the touches of the frames among events."""
+        if not (self.down or self.move or self.up):
+            return
+        for event in events:
+            if isinstance(event, TouchFrame):
+                for touch in touches(event):
+                    self._call(touch)
+
+    def _call(self, touch: Touch) -> None:
+        if isinstance(touch, Began):
+            for begin in self.down:
+                begin(touch)
+        elif isinstance(touch, Moved):
+            for move in self.move:
+                move(touch)
+        else:
+            for end in self.up:
+                end(touch)

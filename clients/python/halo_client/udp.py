@@ -6,11 +6,14 @@ silently get nothing, or each would get a part.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import socket
+import time
 from typing import Self
 
 from halo_client.errors import ClientError
+from halo_client.lease import Lease
 from halo_client.source import OscSource
 
 _LARGEST = 65_535
@@ -22,19 +25,32 @@ class UdpInput:
     """An open port. A context manager; `ClientError` if it cannot be opened."""
 
     def __init__(self, source: OscSource) -> None:
-        family = socket.AF_INET6 if ":" in source.host else socket.AF_INET
+        self._service = _resolved(source.hello) if source.hello else None
+        host = source.host or _address_towards(self._service)
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         try:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER_BYTES)
-            self._socket.bind((source.host, source.port))
+            self._socket.bind((host, source.port))
         except (OSError, OverflowError) as error:
             self._socket.close()
             raise ClientError(_cannot_bind(source, error)) from error
-        self.url = f"osc://{_bracketed(source.host)}:{self._socket.getsockname()[1]}"
+        self.url = f"osc://{_bracketed(host)}:{self._socket.getsockname()[1]}"
         """Its address, with the port that the system chose."""
+        self._lease: Lease | None = None
+        if self._service and source.hello:
+            service = f"{_bracketed(source.hello[0])}:{source.hello[1]}"
+            self._lease = Lease(source.stream, service)
+            self.url += f"?hello={service}"
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        """The next datagram and its sender, or None after the timeout."""
+        """The next datagram and its sender, or None after the timeout.
+
+        `ClientError` if the service that was asked for its stream refuses.
+        """
+        if self._lease:
+            self._send(self._lease.due(time.monotonic()))
+            timeout_s = min(timeout_s, self._lease.wait_s(time.monotonic()))
         # A timeout of 0 would mean "non-blocking", which raises another error.
         self._socket.settimeout(max(timeout_s, 1e-4))
         try:
@@ -44,10 +60,19 @@ class UdpInput:
         except ConnectionResetError:
             # Windows: an earlier reply did not reach its receiver. The port still works.
             return None
+        if self._lease and address[:2] == self._service and self._lease.handle(datagram):
+            return None
         return datagram, str(address[0])
 
+    def _send(self, datagram: bytes | None) -> None:
+        if datagram and self._service:
+            with contextlib.suppress(OSError):  # The network is down: it is sent again.
+                self._socket.sendto(datagram, self._service)
+
     def close(self) -> None:
-        """Close the port. May be called twice."""
+        """Close the port; end the stream that was asked for. May be called twice."""
+        if self._lease and self._socket.fileno() >= 0:
+            self._send(self._lease.goodbye())
         self._socket.close()
 
     def __enter__(self) -> Self:
@@ -55,6 +80,29 @@ class UdpInput:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _resolved(place: tuple[str, int]) -> tuple[str, int]:
+    """Address and port of a service; IPv4 if it has both."""
+    try:
+        found = socket.getaddrinfo(*place, type=socket.SOCK_DGRAM)
+    except (OSError, UnicodeError) as error:
+        raise ClientError(f"osc: no address of {place[0]!r} is found; check the name") from error
+    host, port = min(found, key=lambda each: each[0] != socket.AF_INET)[4][:2]
+    return str(host), int(port)
+
+
+def _address_towards(service: tuple[str, int] | None) -> str:
+    """The address of this machine that a service sees."""
+    if service is None:
+        return "127.0.0.1"
+    family = socket.AF_INET6 if ":" in service[0] else socket.AF_INET
+    with socket.socket(family, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(service)  # It sends nothing: the system only chooses a route.
+        except OSError as error:
+            raise ClientError(f"osc: no network reaches {service[0]} ({error.strerror})") from error
+        return str(probe.getsockname()[0])
 
 
 def _bracketed(host: str) -> str:

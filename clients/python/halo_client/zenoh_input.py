@@ -1,19 +1,17 @@
 """Datagrams from Zenoh.
 
-Rule: Zenoh's callback only appends samples to a bounded ring, so it never blocks. When a client
-is busy, the oldest samples are dropped; the next frame replaces them.
+Rule: Zenoh's callback only appends samples to a bounded ring, so it never blocks.
 """
 
 from __future__ import annotations
 
 import json
-import threading
-from collections import deque
 from typing import Any, Self
 
 import zenoh
 
 from halo_client.errors import ClientError
+from halo_client.ring import Ring
 from halo_client.source import ZenohSource
 from halo_protocol import ANY, zenoh_key
 
@@ -21,16 +19,12 @@ _OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
 _OTHERS = "halo/*/*/*/scene"
 """Scenes of any major version, so that a service of another one is reported."""
 
-RING = 256
-"""Samples that wait at most: some seconds of one service."""
-
 
 class ZenohInput:
     """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open."""
 
     def __init__(self, source: ZenohSource) -> None:
-        self._ring: deque[tuple[bytes, str]] = deque(maxlen=RING)
-        self._arrived = threading.Condition()
+        self._ring = Ring()
         self._closed = False
         try:
             self._session = zenoh.open(zenoh_config(source))
@@ -43,10 +37,7 @@ class ZenohInput:
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         """The next payload and its key, or None after the timeout."""
-        with self._arrived:
-            if not self._ring:
-                self._arrived.wait(timeout_s)
-            return self._ring.popleft() if self._ring else None
+        return self._ring.get(timeout_s)
 
     def close(self) -> None:
         """Undeclare, then close: an open subscriber can block a closing session. May be called
@@ -58,9 +49,7 @@ class ZenohInput:
             self._session.close()
 
     def _store(self, sample: zenoh.Sample) -> None:
-        with self._arrived:
-            self._ring.append((sample.payload.to_bytes(), str(sample.key_expr)))
-            self._arrived.notify()
+        self._ring.put(sample.payload.to_bytes(), str(sample.key_expr))
 
     def _store_foreign(self, sample: zenoh.Sample) -> None:
         if str(sample.key_expr).split("/")[:2] != _OWN:

@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """Show frames until the end set by the options; return the exit code of `main`."""
     logging.basicConfig(format="halo-monitor: %(message)s", level=logging.WARNING)
     try:
-        with halo_client.receive(options.source, everything=True) as receiver:
+        with halo_client.connect(options.source, everything=True) as receiver:
             return _show(receiver, options)
     except ClientError as error:
         print(f"halo-monitor: {error}", file=sys.stderr)
@@ -61,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="source",
         default=halo_client.DEFAULT_SOURCE,
         metavar="URL",
-        help="osc://127.0.0.1:4256 (default), zenoh://?connect=tcp/127.0.0.1:7447 or FILE.jsonl",
+        help="osc://127.0.0.1:4256 (default), osc://?hello=127.0.0.1:4257 (asks for the stream), "
+        "ws://127.0.0.1:4258/halo, zenoh://?connect=tcp/127.0.0.1:7447 or FILE.jsonl",
     )
     parser.add_argument("--json", action="store_true", help="a line of JSON for each event")
     parser.add_argument("--frames", type=_positive_int, metavar="N", help="end after N frames")

@@ -9,10 +9,11 @@ import logging
 import time
 from collections.abc import Callable
 
+from halo_protocol.handshake import GOODBYE, HELLO, LEASE
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage, ControlPort
-from halo_service.outputs.leases import GOODBYE, HELLO, LEASE, Leases
+from halo_service.outputs.leases import Leases
 from halo_service.outputs.osc import OscOutput
 from halo_service.sensing import State
 from halo_service.sources import Source

@@ -31,7 +31,7 @@ def grid_from_service(url: str, screen: ScreenRequest) -> Grid:
     """Count the touches of a service (`osc://...`) until all crossings are touched, the display is
     closed or Ctrl-C. Raises `UserError`."""
     try:
-        receiver = halo_client.receive(url, everything=True)
+        receiver = halo_client.connect(url, everything=True)
     except halo_client.ClientError as error:
         raise UserError(f"verify: {error}") from error
     with receiver, Display(screen.display, full_screen=not screen.window) as display:

@@ -2,13 +2,14 @@
 
     uv run python docs/virtual_kinect.py
 
-Writes SVG files into pictures/virtual-kinect and a table into the page: the sensor's curves,
-measured on its frames, next to the paper's statements. Takes about a minute; the same code gives
-the same bytes.
+Writes SVG files into pictures/virtual-kinect, and prints two tables and writes them into the page:
+what is known of the real sensor, and the paper's statements, next to what is measured on frames.
+Takes about a minute; the same code gives the same bytes.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,17 +22,24 @@ mpl.use("svg")  # before pyplot: no window, no display
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from halo_service.virtual.curves import STATES, THRESHOLD_MM, Bench
+from halo_service.values import Finger
+from halo_service.virtual import facts
+from halo_service.virtual.curves import STATES, THRESHOLD_MM, Bench, background
 from halo_service.virtual.halo import FAMILIES, HaloCurve
+from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.room import Room
-from halo_service.virtual.statements import ASIDE_DEG, bench, check, regions
+from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sensor_model import SENSORS
+from halo_service.virtual.skeleton import FingerPose, posed
+from halo_service.virtual.statements import ASIDE_DEG, Finding, bench, check, regions
 
 PAGE = Path(__file__).parent / "virtual-kinect.md"
 FOLDER = Path(__file__).parent / "pictures" / "virtual-kinect"
-BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
 
 
 def plot(path: Path, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
@@ -128,20 +136,88 @@ def materials(folder: Path) -> None:
     save(figure, path)
 
 
-def statements(page: Path) -> None:
-    """Measure the table and write it into the page, between its two marks."""
-    rows = ["| the paper says | section | wanted | measured | holds |", "|---|---|---|---|---|"]
-    for finding in check():
+STEP_MM, DEEPEST_MM, FIELD_PX, CELL_PX = 2.0, 24.0, 64, 4
+"""Of the pictures of a finger: one colour per step; width of a view and size of a pixel."""
+NOTHING = "#000000"
+
+
+def finger_by_sensor(folder: Path) -> None:
+    """One finger in its states on the kind and on the true sensor: excess depth, pixel by pixel."""
+    path = folder / "finger-by-sensor.svg"
+    side = FIELD_PX * CELL_PX + 12
+    parts = []
+    for row, (name, model) in enumerate(SENSORS.items()):
+        views = fingers(replace(Room(), sensor=model))
+        for column, (state, excess) in enumerate(views.items()):
+            x, y = column * side, row * (side + 16) + 14
+            parts.append(f'<text x="{x}" y="{y - 3}">{name}: {state}</text>')
+            parts.append(f'<g transform="translate({x} {y}) scale({CELL_PX})">')
+            parts += cells(excess)
+            parts.append("</g>")
+    size = f'width="{side * len(views)}" height="{(side + 16) * len(SENSORS)}"'
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif" font-size="12">'
+    )
+    path.write_text("\n".join([head, *parts, "</svg>", ""]), encoding="utf-8")
+    sys.stdout.write(f"{path}\n")
+
+
+def fingers(room: Room) -> dict[str, NDArray[np.float64]]:
+    """(FIELD_PX, FIELD_PX) excess depth around the pad, mm, nan where nothing is measured."""
+    sensor = Sensor(room, colour_times=0)
+    empty = background([sensor.frame(33_333 * k).depth for k in range(30)])
+    views = {}
+    for k, (state, (height, force)) in enumerate({"30 mm up": (30.0, 0.0), **STATES}.items()):
+        aim = FingerPose(150.0, 100.0, height, force, 45.0, -20.0)
+        hand = posed(room.user, pointing(room.user, room.dominant, aim, curl=room.user.curl))
+        depth = sensor.frame(10_000_000 + k, [hand]).depth.astype(np.float64)
+        pad = sensor.surface.to_camera(hand.pad(Finger.INDEX)[None])
+        x, y = sensor.camera.depth.project(pad)[0].round().astype(int)
+        box = np.s_[y - 26 : y - 26 + FIELD_PX, x - 32 : x - 32 + FIELD_PX]
+        views[state] = np.where(depth > 0, depth - empty, np.nan)[box]
+    return views
+
+
+def cells(excess: NDArray[np.float64]) -> list[str]:
+    """One path a colour, made of runs of pixels."""
+    with np.errstate(invalid="ignore"):
+        level = np.clip(np.round(excess / STEP_MM), -DEEPEST_MM / STEP_MM, DEEPEST_MM / STEP_MM)
+    level = np.where(np.isnan(excess), np.inf, level)
+    runs: dict[float, str] = {}
+    for row, line in enumerate(level):
+        ends = [0, *(np.flatnonzero(line[1:] != line[:-1]) + 1), len(line)]
+        for start, stop in itertools.pairwise(ends):
+            run = f"M{start} {row}h{stop - start}v1h-{stop - start}z"
+            runs[float(line[start])] = runs.get(float(line[start]), "") + run
+    return [f'<path fill="{colour(key)}" d="{runs[key]}"/>' for key in sorted(runs)]
+
+
+def colour(level: float) -> str:
+    """Blue: nearer than the empty table; red: deeper; black: not measured."""
+    if np.isinf(level):
+        return NOTHING
+    return str(to_hex(plt.get_cmap("RdBu_r")(0.5 + 0.5 * level * STEP_MM / DEEPEST_MM)))
+
+
+def table(findings: Sequence[Finding], head: tuple[str, str]) -> str:
+    """Lines of Markdown."""
+    rows = [f"| {head[0]} | {head[1]} | wanted | measured | holds |", "|---|---|---|---|---|"]
+    for finding in findings:
         s = finding.statement
         wanted = f"≥ {s.least:g}" if s.most == float("inf") else f"{s.least:g} to {s.most:g}"
         verdict = "yes" if finding.holds else "**no**"
         measured = f"{finding.value:.3g} {s.unit}".strip()
         rows.append(f"| {s.says} | {s.where} | {wanted} | {measured} | {verdict} |")
-    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    table = "\n".join(rows)
-    page.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}", encoding="utf-8")
-    sys.stdout.write(f"{page}\n")
+    return "\n".join(rows)
+
+
+def write(page: Path, name: str, text: str) -> None:
+    """Print a table and put it into the page, between its two marks."""
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+    before, _, rest = page.read_text(encoding="utf-8").partition(begin)
+    _, _, after = rest.partition(end)
+    page.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
+    sys.stdout.write(f"{text}\n\n{page}\n")
 
 
 def main() -> None:
@@ -150,8 +226,9 @@ def main() -> None:
     # Same numbers, same bytes: no random names; words stay text.
     mpl.rc("svg", fonttype="none", hashsalt="virtual-kinect")
     mpl.rc("font", size=9)
-    statements(PAGE)
-    for draw in (height_and_force, finger_pitch, camera_place, materials):
+    write(PAGE, "facts", table(facts.check(), ("what is known of the real sensor", "source")))
+    write(PAGE, "measured", table(check(), ("the paper says", "section")))
+    for draw in (height_and_force, finger_pitch, camera_place, materials, finger_by_sensor):
         draw(FOLDER)
 
 

@@ -28,6 +28,7 @@ from halo_service.virtual.projector import Projector
 from halo_service.virtual.props import printed, standing
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
+from tests.kind_sensor import KIND_ROOM
 
 Distortion = tuple[float, float, float, float, float, float, float, float]
 FRAMES = 8
@@ -37,7 +38,11 @@ FRAMES = 8
 
 def room(height_mm=500.0, pitch_deg=0.0, yaw_deg=0.0, **fields) -> Room:
     return Room(
-        camera_height_mm=height_mm, camera_pitch_deg=pitch_deg, camera_yaw_deg=yaw_deg, **fields
+        camera_height_mm=height_mm,
+        camera_pitch_deg=pitch_deg,
+        camera_yaw_deg=yaw_deg,
+        **KIND_ROOM,
+        **fields,
     )
 
 

@@ -22,7 +22,7 @@ from halo_service.virtual.halo import FAMILIES, HaloCurve
 from halo_service.virtual.materials import MATERIALS, STUDIED, Material
 from halo_service.virtual.projector import Projector
 from halo_service.virtual.props import PROPS, Flat
-from halo_service.virtual.sensor_model import KIND, SensorModel
+from halo_service.virtual.sensor_model import KIND, TRUE, SensorModel
 from halo_service.virtual.skeleton import User
 from halo_service.virtual.users import (
     draw_curve,
@@ -70,7 +70,7 @@ class Room:
     projector: Projector = field(default_factory=Projector)
     labels: str | None = None
     """The label file of the scenario `labels`."""
-    sensor: SensorModel = KIND
+    sensor: SensorModel = TRUE
     """The depth sensor's errors."""
     device: str = "kinect"
     """Of `camera.DEVICES`."""

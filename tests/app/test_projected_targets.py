@@ -22,6 +22,7 @@ from halo_service.profile.store import load
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.room import Room, draw_room
 from tests.filmed import Film
+from tests.kind_sensor import KIND_ROOM
 
 pytestmark = pytest.mark.long
 
@@ -62,7 +63,11 @@ def through(matrix: Points, points: Points) -> Points:
 
 
 def test_touches_land_where_the_projected_targets_are(tmp_path: Path) -> None:
-    room, recording, profile = draw_room(SEED, exposure_ms=4.0), tmp_path / "take.mkv", "placed"
+    room, recording, profile = (
+        draw_room(SEED, exposure_ms=4.0, **KIND_ROOM),
+        tmp_path / "take.mkv",
+        "placed",
+    )
     script = film(room, recording).written(tmp_path)
     place = str(tmp_path / profile)
     made = ["calibrate", "--source", f"recording:{recording}", "--script", str(script)]

@@ -21,6 +21,7 @@ from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchF
 from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
 
 SECONDS = 5.0
 
@@ -29,7 +30,7 @@ SECONDS = 5.0
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of the virtual demo, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("session")
-    request = parse_sim_url("sim:demo?seed=3")
+    request = parse_sim_url(f"sim:demo?seed=3&{KIND_URL}")
     truth = []
     with Recorder(folder / "take.mkv", factory(), fps=30, colour=True) as recorder:
         for frame, lines in frames(request, SECONDS):

@@ -22,8 +22,9 @@ from halo_service.profile import Projector
 from halo_service.profile.store import load, save
 from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
 
-SIM = "sim:idle?seed=202&material=paper"
+SIM = f"sim:idle?seed=202&material=paper&{KIND_URL}"
 
 
 @pytest.fixture(autouse=True)

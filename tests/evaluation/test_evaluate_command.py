@@ -15,6 +15,7 @@ from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.profile.store import load, save
 from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
 
 
 @pytest.mark.parametrize(
@@ -105,8 +106,11 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of an empty table, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("desk")
     taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
-    assert main(["simulate", "idle?seed=205", *taken, "--seconds", "0.3"]) == 0
-    save(virtual_profile(parse_sim_url("sim:idle?seed=205").room, Settings()), folder / "profile")
+    assert main(["simulate", f"idle?seed=205&{KIND_URL}", *taken, "--seconds", "0.3"]) == 0
+    save(
+        virtual_profile(parse_sim_url(f"sim:idle?seed=205&{KIND_URL}").room, Settings()),
+        folder / "profile",
+    )
     return folder
 
 

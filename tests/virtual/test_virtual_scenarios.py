@@ -23,6 +23,7 @@ from halo_service.virtual.scenarios import labels as label_scenario
 from halo_service.virtual.scenarios.study import FORCES_G, HEIGHTS_MM, targets
 from halo_service.virtual.sim_url import parse_sim_url
 from halo_type.phrases import PHRASES
+from tests.kind_sensor import KIND_ROOM, KIND_URL
 
 FINGER_FIELDS = "hand finger camera_mm height_mm touching force_g pitch_deg yaw_deg"
 LABELS = "7,touchdown,100,100,1000000\n7,touchend,0,0,1000060\n8,touchdown,500,300,1000500\r\r\n"
@@ -30,7 +31,7 @@ LABELS = "7,touchdown,100,100,1000000\n7,touchend,0,0,1000060\n8,touchdown,500,3
 
 def run(name, seconds, step_s=1 / 30):
     """Every snapshot, and the touches."""
-    request = parse_sim_url(name)
+    request = parse_sim_url(name + ("&" if "?" in name else "?") + KIND_URL)
     scenario = start_scenario(request.scenario, request.room)
     snapshots = [(t, scenario.at(t)) for t in np.arange(0.0, seconds, step_s)]
     return scenario, snapshots, scenario.ended_contacts(1e9)
@@ -125,7 +126,7 @@ def test_calibration_follows_the_script_that_it_reports():
     names = [step.name for step in running.steps]
     assert names == ["background", "hover", "subtle", "touch", "pressure", "sweep"]
     assert all(a.to_s <= b.from_s for a, b in itertools.pairwise(running.steps))
-    room = parse_sim_url("sim:calibration?seed=4").room
+    room = parse_sim_url(f"sim:calibration?seed=4&{KIND_URL}").room
     for step in running.steps:
         within = [snapshot for t, snapshot in snapshots if step.from_s <= t < step.to_s]
         hands = [snapshot.hands[0] for snapshot in within]
@@ -216,7 +217,7 @@ def test_ten_fingers_all_touch():
 
 
 def test_one_hand_drums_while_the_other_hovers():
-    room = draw_room(3)
+    room = draw_room(3, **KIND_ROOM)
     _, snapshots, contacts = run("sim:drumming?seed=3", 20.0, 0.1)
     assert {c.side for c in contacts} == {room.dominant}
     assert len(contacts) > 15
@@ -227,7 +228,7 @@ def test_one_hand_drums_while_the_other_hovers():
 
 
 def test_palms_and_fists_of_chaos_touch_nothing():
-    room = draw_room(5)
+    room = draw_room(5, **KIND_ROOM)
     _, snapshots, contacts = run("sim:chaos?seed=5", 40.0, 0.1)
     assert {c.side for c in contacts} == {room.dominant}
     assert any(snapshot.things for _, snapshot in snapshots)
@@ -277,11 +278,11 @@ def test_a_label_file_without_touches_is_rejected(tmp_path, text, sentence):
     with pytest.raises(UserError, match=sentence):
         label_scenario.read(Path(path))
     with pytest.raises(UserError, match="needs a file"):
-        start_scenario("labels", draw_room(1))
+        start_scenario("labels", draw_room(1, **KIND_ROOM))
 
 
 def test_a_controlled_finger_follows_its_messages():
-    scenario = start_scenario("hand", draw_room(2))
+    scenario = start_scenario("hand", draw_room(2, **KIND_ROOM))
     scenario.send((2, 1, 80.0, 60.0, 12.0, 0.0))
     (hand,) = scenario.at(0.1).hands
     assert hand.pad(Finger.INDEX) == pytest.approx([80.0, 60.0, -12.0])
@@ -300,7 +301,7 @@ def test_a_controlled_finger_follows_its_messages():
      (2, 1, "x", 0, 0, 0)],
 )  # fmt: skip
 def test_an_invalid_message_moves_no_finger(message):
-    scenario = start_scenario("hand", draw_room(2))
+    scenario = start_scenario("hand", draw_room(2, **KIND_ROOM))
     with pytest.raises(UserError):
         scenario.send(message)
     assert scenario.at(0.1).hands == ()
@@ -313,7 +314,7 @@ def test_endings_are_what_the_table_says(tmp_path):
 
 
 def test_a_line_of_truth_has_the_documented_fields():
-    room = draw_room(1)
+    room = draw_room(1, **KIND_ROOM)
     scenario = start_scenario("demo", room)
     surface = room.surface()
     for t in np.arange(0.0, 6.0, 1 / 30):

@@ -19,8 +19,9 @@ from halo_service.virtual.room import Room, draw_room
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.skeleton import FingerPose, posed
+from tests.kind_sensor import KIND_ROOM, KIND_URL
 
-QUIET = Room(noise=0.0)
+QUIET = Room(**KIND_ROOM, noise=0.0)
 
 
 def hand_at(room, height_mm=0.0, force_g=25.0, x_mm=150.0, y_mm=100.0, **angles):
@@ -47,7 +48,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not():
 
 
 def test_a_frame_does_not_depend_on_the_frames_before_it():
-    room = draw_room(3)
+    room = draw_room(3, **KIND_ROOM)
     hand = hand_at(room)
     first = Sensor(room)
     for k in range(3):
@@ -79,7 +80,7 @@ def test_seeds_draw_different_people_and_places():
 
 
 def test_a_frame_is_what_the_sdk_would_deliver():
-    frame = Sensor(draw_room(1)).frame(123_456, [])
+    frame = Sensor(draw_room(1, **KIND_ROOM)).frame(123_456, [])
     assert frame.time_us == 123_456
     assert (frame.depth.shape, frame.depth.dtype) == ((576, 640), np.uint16)
     assert (frame.ir.shape, frame.ir.dtype) == ((576, 640), np.uint16)
@@ -91,7 +92,7 @@ def test_a_frame_is_what_the_sdk_would_deliver():
 
 def test_the_table_reads_as_far_as_it_is_but_for_the_devices_own_error():
     for seed in (1, 2, 3):
-        room = draw_room(seed, material="paper")
+        room = draw_room(seed, material="paper", **KIND_ROOM)
         sensor = Sensor(room, colour_times=0, started_us=-10_000_000_000)
         mean = np.mean([sensor.frame(k).depth for k in range(20)], axis=0)
         error = (mean - sensor._imager.view.depth)[200:460, 180:460]
@@ -100,7 +101,7 @@ def test_the_table_reads_as_far_as_it_is_but_for_the_devices_own_error():
 
 
 def test_noise_grows_as_infrared_falls():
-    sensor = Sensor(Room(material="paper"), colour_times=0)
+    sensor = Sensor(Room(**KIND_ROOM, material="paper"), colour_times=0)
     reads = np.array([sensor.frame(k).depth for k in range(40)], dtype=np.float64)
     ir = sensor.frame(0).ir
     measured = (reads > 0).all(axis=0)
@@ -158,7 +159,7 @@ def test_a_finger_fades_into_the_table_before_its_halo_appears():
 
 @pytest.mark.parametrize("material", MATERIALS)
 def test_every_material_can_be_seen(material):
-    room = Room(material=material)
+    room = Room(**KIND_ROOM, material=material)
     frame = Sensor(room).frame(5, [hand_at(room)])
     valid = (frame.depth[200:400, 200:440] > 0).mean()
     assert valid > (0.5 if material == "mirror" else 0.95)
@@ -166,8 +167,8 @@ def test_every_material_can_be_seen(material):
 
 
 def test_a_cup_stands_in_depth_and_colour_and_a_sheet_in_colour_and_infrared():
-    bare, laid = Sensor(Room(noise=0.0, material="suede")), Sensor(
-        Room(noise=0.0, material="suede", props=("cup", "sheet", "board"))
+    bare, laid = Sensor(Room(**KIND_ROOM, noise=0.0, material="suede")), Sensor(
+        Room(**KIND_ROOM, noise=0.0, material="suede", props=("cup", "sheet", "board"))
     )  # fmt: skip
     before, after = bare.frame(1), laid.frame(1)
     changed = before.depth.astype(int) - after.depth
@@ -178,7 +179,7 @@ def test_a_cup_stands_in_depth_and_colour_and_a_sheet_in_colour_and_infrared():
 
 
 def test_projected_markers_are_seen_by_the_colour_camera_where_the_homography_puts_them():
-    room = Room(projected="markers", material="paper", light=0.8)
+    room = Room(**KIND_ROOM, projected="markers", material="paper", light=0.8)
     sensor = Sensor(room)
     image = sensor.frame(1).colour
     detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
@@ -199,7 +200,7 @@ def test_projected_markers_are_seen_by_the_colour_camera_where_the_homography_pu
 
 
 def test_projected_light_falls_on_the_hand_and_leaves_infrared_alone():
-    dark, lit = (Room(projected=p) for p in ("dark", "colours"))
+    dark, lit = (Room(**KIND_ROOM, projected=p) for p in ("dark", "colours"))
     hand = hand_at(dark)
     one, other = Sensor(dark).frame(1, [hand]), Sensor(lit).frame(1, [hand])
     assert np.array_equal(one.ir, other.ir)
@@ -208,7 +209,7 @@ def test_projected_light_falls_on_the_hand_and_leaves_infrared_alone():
 
 
 def test_a_dark_room_smears_moving_hands_and_overexposes_projected_light():
-    dim = Room(light=0.2, noise=0.0, material="suede")
+    dim = Room(**KIND_ROOM, light=0.2, noise=0.0, material="suede")
     still = hand_at(dim)
     moving = dataclasses.replace(still, velocity_mm_s=np.array([900.0, 0.0, 0.0]))
     sharp, smeared = (Sensor(dim).frame(1, [h]).colour.astype(int) for h in (still, moving))
@@ -225,7 +226,7 @@ def test_a_picture_that_is_none_gets_its_sentence(tmp_path):
         (str(tmp_path / "noise.png"), "cannot read"),
     ):
         with pytest.raises(UserError, match=sentence):
-            Sensor(Room(projected=name))
+            Sensor(Room(**KIND_ROOM, projected=name))
 
 
 def test_a_picture_file_is_thrown(tmp_path):
@@ -235,7 +236,7 @@ def test_a_picture_file_is_thrown(tmp_path):
 
 
 def test_dropped_frames_are_told_and_time_goes_on():
-    taken = list(frames(parse_sim_url("sim:idle?drop=0.3&seed=4"), 4.0, colour=False))
+    taken = list(frames(parse_sim_url(f"sim:idle?drop=0.3&seed=4&{KIND_URL}"), 4.0, colour=False))
     kept = [frame for frame, _ in taken if frame is not None]
     assert len(taken) == 120
     assert 60 < len(kept) < 105

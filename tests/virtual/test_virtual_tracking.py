@@ -17,6 +17,7 @@ from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.room import draw_room
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, posed
+from tests.kind_sensor import KIND_ROOM
 
 FRAMES = 30
 NEAR_PX = 30.0
@@ -25,7 +26,7 @@ NEAR_PX = 30.0
 
 def film(seed, material):
     """(picture, true fingertip in px, pitch) of a finger that turns and tilts all the way."""
-    room = draw_room(seed, material=material, projected="colours")
+    room = draw_room(seed, material=material, projected="colours", **KIND_ROOM)
     sensor = Sensor(room, colour_times=2)
     empty = sensor.frame(0).depth.astype(np.float32)
     warp = ColourWarp(sensor.camera, np.where(empty > 0, empty, 500.0).astype(np.float32))

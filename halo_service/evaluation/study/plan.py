@@ -125,15 +125,19 @@ class User:
 
     seed: int
     material: str
+    sensor: str = "true"
+    """Of the virtual camera."""
 
     @property
     def name(self) -> str:
         """Of the folder."""
-        return f"{self.seed}-{self.material}"
+        kind = "" if self.sensor == "true" else f"-{self.sensor}"
+        return f"{self.seed}-{self.material}{kind}"
 
     def source(self, task: Task) -> str:
         """Return the source of the virtual camera."""
         options = (("seed", str(self.seed)), ("material", self.material), *task.options)
+        options += () if self.sensor == "true" else (("sensor", self.sensor),)
         options += GEOMETRY[self.seed].options if self.seed in GEOMETRY else ()
         return f"sim:{task.scenario}?" + "&".join(f"{key}={quote(text)}" for key, text in options)
 
@@ -163,9 +167,12 @@ def plan(
 def quick_plan(
     users: Sequence[int] = QUICK_USERS, materials: Sequence[str] = STUDIED
 ) -> dict[User, tuple[Task, ...]]:
-    """Return the small study: each user on one material."""
+    """Return the small study: each user on one material.
+
+    It compares changes of the code, so it stays on the sensor that its bounds were measured on.
+    """
     return {
-        User(seed, own_material(seed, materials)): tuple(
+        User(seed, own_material(seed, materials), "kind"): tuple(
             task for task in QUICK_TASKS if task.every_material or index < QUICK_ONCE
         )
         for index, seed in enumerate(users)

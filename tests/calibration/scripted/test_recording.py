@@ -28,10 +28,11 @@ from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
 
 pytestmark = pytest.mark.slow
 
-SIM = parse_sim_url("sim:calibration?seed=4")
+SIM = parse_sim_url(f"sim:calibration?seed=4&{KIND_URL}")
 SWEEP_S = 13.6
 """Four of the six rows: enough, and a third less to draw."""
 SHORT_SWEEP_S = 5.0

@@ -21,9 +21,10 @@ from halo_drums.render import TAIL_S, render
 from halo_drums.voices import RATE
 from halo_protocol import Assembler, TouchFrame
 from halo_service.outputs.frame_encoder import FrameEncoder
+from tests.kind_sensor import KIND_URL
 
 SECONDS = 7.5
-SESSIONS = ("sim:drumming?seed=4", "sim:drumming?seed=5")
+SESSIONS = (f"sim:drumming?seed=4&{KIND_URL}", f"sim:drumming?seed=5&{KIND_URL}")
 """The onset detector was tuned on seed 3, and is tested on other seeds."""
 STEP_MM = 5.0
 """Heights in steps of this size are averaged."""

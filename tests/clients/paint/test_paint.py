@@ -24,6 +24,7 @@ from halo_paint.render import painted, save, to_pixels
 from halo_paint.stroke import Stroke, whole
 from halo_paint.svg import to_svg
 from halo_protocol import Homography, TouchFrame
+from tests.kind_sensor import KIND_URL
 
 SIZE = (300.0, 200.0)
 
@@ -249,7 +250,7 @@ def test_strokes_follow_the_true_path_and_force(wire: Any) -> None:
     from halo_service.virtual.scenarios import start_scenario
     from halo_service.virtual.sim_url import parse_sim_url
 
-    request = parse_sim_url("sim:painting?seed=3")
+    request = parse_sim_url(f"sim:painting?seed=3&{KIND_URL}")
     motion = start_scenario(request.scenario, request.room)
     painter, contacts, before = Painter(), 0, False
     true: list[tuple[float, float]] = []
@@ -304,7 +305,7 @@ def test_painting_adds_little_error_to_the_sensing(
     sensed: Callable[[str, float], Any],
 ) -> None:
     """The brush adds at most 3 mm to the service's own error."""
-    session = sensed("sim:painting?seed=3", 8.0)
+    session = sensed(f"sim:painting?seed=3&{KIND_URL}", 8.0)
     frames = list(halo_client.frames(FileSource(session.stream, paced=False)))
     surface = session.truth[-1]["surface"]
     true = {}

@@ -26,6 +26,9 @@ from halo_service.settings import Settings, TrackingSettings
 from halo_service.sources import EndOfSource
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
+
+SIM = f"sim:pointing?seed=201&{KIND_URL}"
 
 SECONDS = 0.5
 STAGES = {
@@ -47,12 +50,12 @@ STATES = TouchStates(
 
 @pytest.fixture(scope="module")
 def recording() -> LatencyRecording:
-    return simulate("sim:pointing", parse_sim_url("sim:pointing?seed=201"), SECONDS, lambda: None)
+    return simulate("sim:pointing", parse_sim_url(SIM), SECONDS, lambda: None)
 
 
 @pytest.fixture(scope="module")
 def profile(recording: LatencyRecording) -> Profile:
-    sensor = Sensor(parse_sim_url("sim:pointing?seed=201").room, colour_times=0)
+    sensor = Sensor(parse_sim_url(SIM).room, colour_times=0)
     background = solve_background([sensor.frame(33_333 * k).depth for k in range(45)])
     surface = surface_from_view(solve_plane(background, recording.camera))
     return Profile("bench", recording.camera, surface, background, STATES, 1)

@@ -29,6 +29,7 @@ from halo_service.settings import Settings
 from halo_service.values import Frame, Hand, Pointer, Side, TouchFrame
 from halo_service.virtual.offline import Take
 from halo_service.virtual.sim_url import parse_sim_url
+from tests.kind_sensor import KIND_URL
 
 SECONDS = 4.7
 """Of the demo: four touches, the last one until 4.6 s."""
@@ -45,7 +46,7 @@ class Both:
 @pytest.fixture(scope="module")
 def both() -> Both:
     settings = Settings()
-    request = parse_sim_url("sim:demo?seed=205&material=wood")
+    request = parse_sim_url(f"sim:demo?seed=205&material=wood&{KIND_URL}")
     profile = virtual_profile(request.room, settings)
     simulation = Take(request, SECONDS, colour_times=2)
     frames: list[StoredFrame] = []

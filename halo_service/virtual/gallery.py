@@ -24,6 +24,7 @@ from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room, draw_room
 from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sensor_model import TRUE, SensorModel
 from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
 
 Picture = NDArray[np.uint8]
@@ -54,11 +55,12 @@ SHOWS_PX = 12
 """So many white pixels can be seen."""
 
 
-def gallery(seed: int = 1) -> Picture:
+def gallery(seed: int = 1, sensor: SensorModel = TRUE) -> Picture:
     """(H, W, 3) BGR: each material, halo and hand in each state; takes about 20 s."""
-    rooms = {material: draw_room(seed, material=material) for material in MATERIALS}
+    rooms = {material: draw_room(seed, material=material, sensor=sensor) for material in MATERIALS}
     rooms |= {
-        name: draw_room(seed, material="paper", **changes) for name, changes in VARIANTS.items()
+        name: draw_room(seed, material="paper", sensor=sensor, **changes)
+        for name, changes in VARIANTS.items()
     }
     rows = [_row(name, room) for name, room in rooms.items()]
     head = _white(BORDER_PX * (len(LEGEND) + 1), rows[0].shape[1])
@@ -67,9 +69,9 @@ def gallery(seed: int = 1) -> Picture:
     return np.concatenate([head, *rows])
 
 
-def save(path: Path, seed: int = 1) -> None:
+def save(path: Path, seed: int = 1, sensor: SensorModel = TRUE) -> None:
     """Write the gallery as an image. Raises UserError where that cannot be."""
-    image = gallery(seed)
+    image = gallery(seed, sensor)
     if path.suffix.lower() not in (".png", ".jpg", ".webp"):
         raise UserError(f"The gallery is a picture: name it *.png, *.jpg or *.webp, not {path}.")
     coded, data = cv2.imencode(path.suffix, image)

@@ -15,12 +15,13 @@ from halo_service.virtual.gallery import (
     save,
 )
 from halo_service.virtual.materials import MATERIALS
+from tests.kind_sensor import KIND_ROOM
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("gallery") / "gallery.png"
-    save(path, seed=2)
+    save(path, seed=2, **KIND_ROOM)
     return path
 
 
@@ -63,4 +64,4 @@ def test_a_gallery_that_cannot_be_written_is_one_sentence(tmp_path, name, senten
 
 
 def test_one_user_gives_one_gallery(saved):
-    assert (gallery(2) == cv2.imread(str(saved))).all()
+    assert (gallery(2, **KIND_ROOM) == cv2.imread(str(saved))).all()

@@ -56,7 +56,7 @@ def test_the_virtual_user_touches_what_is_projected(
     assert main([*arguments, "--within-mm", "12"]) == 0
     said = capsys.readouterr()
     assert "of 4 of 4 crossings: median" in said.out
-    assert "good: 95 % within 12 mm" in said.out
+    assert "passed: touch all crossings, 95 % within 12 mm" in said.out
     assert "row 2 from the far edge, column 2" in said.err
 
 

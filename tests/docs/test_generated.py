@@ -23,6 +23,7 @@ PAGES = sorted(
     )
     for path in REPOSITORY.glob(pattern)
 )
+GUIDES = [REPOSITORY / "README.md", *FOLDER.glob("*.md"), REPOSITORY / "clients" / "README.md"]
 
 
 @pytest.mark.parametrize("name", reference.PAGES)
@@ -75,3 +76,24 @@ def test_ci_ends_with_the_test_command_of_the_readme() -> None:
     command = readme.partition("## Tests")[2].split("```")[1].strip()
     last = (REPOSITORY / ".ci" / "run").read_text(encoding="utf-8").strip().splitlines()[-1]
     assert last == f"HALO_CI=1 {command}"
+
+
+@pytest.mark.parametrize("page", GUIDES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+def test_paths_in_backticks_exist(page: Path) -> None:
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    words = [word for span in re.findall(r"`([^`]+)`", text) for word in span.split()]
+    folders = (REPOSITORY, REPOSITORY / "halo_service", page.parent)
+    missing = [
+        word
+        for word in words
+        if _is_path(word) and not any((folder / word).exists() for folder in folders)
+    ]
+    assert not missing, f"not in the repository: {missing}"
+
+
+def _is_path(word: str) -> bool:
+    """Whether it names a file or folder of ours. Places to fill in, such as NAME, are no paths."""
+    if not re.fullmatch(r"\w[\w.-]*(/[\w.-]+)*/?", word) or "NAME" in word:
+        return False
+    top, slash, _ = word.partition("/")
+    return bool(slash) and (word.endswith(("/", ".py")) or (REPOSITORY / top).is_dir())

@@ -11,6 +11,8 @@ import logging
 import socket
 import threading
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import halo_protocol as wire
@@ -28,6 +30,10 @@ WAKE_S = 0.2
 """How often the receiver checks whether it should end."""
 
 
+def _no_answer(datagram: bytes) -> None:
+    """The default for `answer`."""
+
+
 class ControlMessage(NamedTuple):
     """One message from a client."""
 
@@ -35,7 +41,9 @@ class ControlMessage(NamedTuple):
     arguments: tuple[wire.Argument, ...]
     sender: tuple[str, int]
     size: int = 0
-    """Bytes of the datagram it came in."""
+    """Bytes of the datagram it came in; an answer must not be larger."""
+    answer: Callable[[bytes], None] = _no_answer
+    """Sends one OSC message back."""
 
 
 class ControlPort:
@@ -76,6 +84,10 @@ class ControlPort:
             messages.append(self._queue.popleft())
         return messages
 
+    def put(self, message: ControlMessage) -> None:
+        """Queue a message that came another way; from any thread."""
+        self._queue.append(message)
+
     def reply(self, datagram: bytes, to: tuple[str, int]) -> None:
         """Send a small answer; what cannot be sent now is dropped."""
         try:
@@ -112,7 +124,9 @@ class ControlPort:
                 log.warning("control: skipped a datagram from %s:%d: %s", *sender, error)
             return
         self._queue.extend(
-            ControlMessage(address, arguments, sender, len(datagram))
+            ControlMessage(
+                address, arguments, sender, len(datagram), partial(self.reply, to=sender)
+            )
             for address, arguments in messages
         )
 

@@ -7,7 +7,6 @@ allowed networks get no answer at all. Everything is bounded.
 
 from __future__ import annotations
 
-import ipaddress
 import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,6 +25,7 @@ from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.formats.packing import Template
+from halo_service.outputs.networks import Networks
 
 LEASE_S = 10.0
 """A stream ends so long after its client last asked; clients ask every 3 s."""
@@ -62,8 +62,8 @@ class Leases:
 
         Raises `UserError` for a network that cannot be read.
         """
-        self._node, self._session = node, session
-        self._networks = [_network(each) for each in networks]
+        self.node, self.session = node, session
+        self.networks = Networks(networks)
         self._new_token = new_token
         self._welcomed: dict[str, Destination] = {}
         self._leases: dict[str, _Lease] = {}
@@ -77,7 +77,7 @@ class Leases:
 
     def handle(self, message: ControlMessage, now_s: float) -> list[Reply]:
         """Handle a hello, lease or goodbye; the replies go to its sender."""
-        if not self._allowed(message.sender[0]):
+        if not self.networks.allow(message.sender[0]):
             self.refused += 1
             return []
         if message.address == HELLO:
@@ -105,29 +105,17 @@ class Leases:
             case _:
                 self.refused += 1
                 return []
-        outcome, reason, destination = self._judged(version, stream, message.sender, port)
+        host, sent_from = message.sender
+        place = f"[{host}]" if ":" in host else host
+        outcome, reason, destination = judge(version, f"{place}:{port or sent_from}/{stream}")
         token = ""
         if destination is not None:
             token = self._new_token()
             self._welcomed[token] = destination
             while len(self._welcomed) > MOST_WELCOMES:
                 del self._welcomed[next(iter(self._welcomed))]
-        names = (self._node, self._session, wire.VERSION, outcome, token)
-        welcome = Template(WELCOME, "i", *names, reason[:LONGEST_REASON])
-        return [Reply(welcome.pack(round(LEASE_S * 1000))[4:], message.sender)]
-
-    def _judged(
-        self, version: str, stream: str, sender: tuple[str, int], port: int
-    ) -> tuple[str, str, Destination | None]:
-        host = f"[{sender[0]}]" if ":" in sender[0] else sender[0]
-        try:
-            outcome = wire.verdict(wire.VERSION, version)
-            destination = parse_destination(f"{host}:{port or sender[1]}/{stream}", "hello")
-        except (wire.ProtocolError, UserError) as error:
-            return "refused", str(error).encode("ascii", "replace").decode(), None
-        if outcome == "refused":
-            return outcome, f"this service speaks {wire.VERSION}", None
-        return outcome, "", destination
+        answer = welcome(self.node, self.session, outcome, reason, token, LEASE_S)
+        return [Reply(answer, message.sender)]
 
     def _lease(self, token: str, sender: tuple[str, int], now_s: float) -> list[Reply]:
         lease = self._leases.get(token)
@@ -144,18 +132,22 @@ class Leases:
         if lease is not None and lease.destination.host == host:
             del self._leases[token]
 
-    def _allowed(self, host: str) -> bool:
-        try:
-            address = ipaddress.ip_address(host.partition("%")[0])
-        except ValueError:
-            return False
-        return any(address in network for network in self._networks)
 
-
-def _network(text: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
+def judge(version: str, destination: str) -> tuple[str, str, Destination | None]:
+    """Return the outcome of a hello, the reason of a refusal, and what to send where."""
     try:
-        return ipaddress.ip_network(text, strict=False)
-    except ValueError as error:
-        raise UserError(
-            f"control: '{text}' is not a network; write one such as 192.168.1.0/24"
-        ) from error
+        outcome = wire.verdict(wire.VERSION, version)
+        parsed = parse_destination(destination, "hello")
+    except (wire.ProtocolError, UserError) as error:
+        return "refused", str(error).encode("ascii", "replace").decode(), None
+    if outcome == "refused":
+        return outcome, f"this service speaks {wire.VERSION}", None
+    return outcome, "", parsed
+
+
+def welcome(
+    node: str, session: str, outcome: str, reason: str, token: str = "", lease_s: float = 0.0
+) -> bytes:
+    """Return the answer to a hello. Where no lease is needed, it has no `token` and `lease_s`."""
+    names = (node, session, wire.VERSION, outcome, token, reason[:LONGEST_REASON])
+    return Template(WELCOME, "i", *names).pack(round(lease_s * 1000))[4:]

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from halo_service.outputs.destination import Destination, Stream
-from halo_service.outputs.formats import Format, make_format
 from halo_service.outputs.name_resolver import NameResolver
-from halo_service.outputs.outgoing import Outgoing, OutgoingFrame
-from halo_service.outputs.throttle import Throttle
+from halo_service.outputs.outgoing import Outgoing
+from halo_service.outputs.stream_encoder import StreamEncoder
 from halo_service.outputs.udp_sender import UdpSender
 
 
@@ -61,20 +60,10 @@ class _Channel:
     """The destinations of one stream."""
 
     def __init__(self, stream: Stream) -> None:
-        self._stream = stream
+        self._encoder = StreamEncoder(stream)
         self.senders: list[UdpSender] = []
-        self._format: Format = make_format(stream)
-        self._throttle = Throttle(stream.rate_hz) if stream.rate_hz else None
 
     def send(self, outgoing: Outgoing) -> None:
-        if self._stream.surface not in ("", outgoing.surface):
-            return
-        datagrams = self._encoded(outgoing)
+        datagrams = self._encoder.datagrams(outgoing)
         for sender in self.senders:
             sender.send(datagrams)
-
-    def _encoded(self, outgoing: Outgoing) -> list[bytes]:
-        if not isinstance(outgoing, OutgoingFrame):
-            return self._format.report(outgoing)
-        frame = self._throttle.take(outgoing) if self._throttle else outgoing
-        return [] if frame is None else self._format.frame(frame)

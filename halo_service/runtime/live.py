@@ -81,10 +81,11 @@ class LiveLoop:
         control: Control = _no_requests,
         watch: Callable[[Frame], None] = _no_watcher,
         method: Method[State] = OURS,
+        paused: threading.Event | None = None,
     ) -> None:
         """`reopen` opens the same source again after it was lost; `tracker`: None if no hands are
         needed; `control` handles clients' requests; `watch` gets each frame after its packet has
-        left; `method` senses each frame."""
+        left; `method` senses each frame; while `paused` is set, frames have no pointers."""
         self._source: Source | None = source
         self._reopen = reopen
         self._tracker = tracker
@@ -93,6 +94,7 @@ class LiveLoop:
         self._control = control
         self._watch = watch
         self._method = method
+        self._paused = paused or threading.Event()
         self._errors = ErrorLog()
         self._stopped = threading.Event()
         self._counter = HealthCounter()
@@ -151,6 +153,9 @@ class LiveLoop:
         self._counter.drops += check.missed
         if isinstance(capture, BadFrame) or check.fault is not None:
             self._skip(check.fault or "bad", capture.time_us)
+            return
+        if self._paused.is_set():
+            self._release(capture.time_us)
             return
         tracked = None if self._tracker is None else self._tracker.newest
         try:
@@ -220,8 +225,9 @@ class LiveLoop:
             self._publisher.health(self._health())
 
     def _health(self) -> Health:
-        running = self._tracker is not None and self._counter.camera == "running"
-        idle: TrackerState = "off" if self._tracker is None else "searching"
+        off = self._tracker is None or self._paused.is_set()
+        running = not off and self._counter.camera == "running"
+        idle: TrackerState = "off" if off else "searching"
         state = self._tracker.state if self._tracker is not None and running else idle
         return self._counter.health(time.monotonic(), state)
 

@@ -44,6 +44,7 @@ class TrackerThread:
         self._frames: Latest[Frame] = Latest()
         self._tracked: Latest[Tracked] = Latest()
         self._ended = threading.Event()
+        self._outdated = threading.Event()
         self.state: TrackerState = "starting"
         self.failure: UserError | None = None
         """Set if the tracker cannot be loaded at all; the service ends with this sentence."""
@@ -59,6 +60,10 @@ class TrackerThread:
         """Offer a frame; the tracker looks at it when free, unless a newer one comes first."""
         self._frames.put(frame)
 
+    def reload(self) -> None:
+        """Make the tracker again, because what it is made from has changed."""
+        self._outdated.set()
+
     def close(self) -> None:
         """End the thread after its current frame."""
         self._ended.set()
@@ -69,6 +74,7 @@ class TrackerThread:
         errors = ErrorLog()
         worked = False
         while not self._ended.is_set():
+            self._outdated.clear()
             try:
                 tracker = self._make()
                 worked = True
@@ -88,7 +94,7 @@ class TrackerThread:
 
     def _look_on(self, tracker: Tracker) -> None:
         self.state = "searching"
-        while not self._ended.is_set():
+        while not self._ended.is_set() and not self._outdated.is_set():
             frame = self._frames.take(WAKE_S)
             if frame is None:
                 continue

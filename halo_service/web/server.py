@@ -7,13 +7,17 @@ import errno
 import logging
 import socket
 import threading
+from collections.abc import Callable
 
 from aiohttp import WSMsgType, web
 
 import halo_protocol as wire
+from halo_protocol.handshake import HELLO
 from halo_service.errors import UserError
+from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.web.access import Access
+from halo_service.web.requests import answer_hello, read_binary, read_text
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, Subscriber
 
@@ -30,11 +34,26 @@ RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
 
 
+def _no_control(message: ControlMessage) -> None:
+    """The default for `control`."""
+
+
 class WebServer:
     """A carrier for browsers."""
 
-    def __init__(self, settings: WebSettings) -> None:
-        """Listen. Raises `UserError` for a host that is not an address of this machine."""
+    def __init__(
+        self,
+        settings: WebSettings,
+        node: str = "",
+        session: str = "",
+        control: Callable[[ControlMessage], None] = _no_control,
+    ) -> None:
+        """Listen. `control` gets what clients ask for, in the server's thread.
+
+        Raises `UserError` for a host that is not an address of this machine.
+        """
+        self._node, self._session = node, session
+        self._control = control
         self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
         self._listener = _listening(settings)
         self.url = f"ws://{_bracketed(settings.host)}:{self.port}{PATH}"
@@ -92,11 +111,11 @@ class WebServer:
             text = f"this is a WebSocket, protocol {wire.VERSION}; subprotocols {JSON}, {OSC}\n"
             return web.Response(status=426, text=text, headers={"Upgrade": "websocket"})
         await answer.prepare(request)
-        await self._serve(answer, request.transport)
+        await self._serve(answer, request.transport, request.remote or "")
         return answer
 
     async def _serve(
-        self, answer: web.WebSocketResponse, transport: asyncio.Transport | None
+        self, answer: web.WebSocketResponse, transport: asyncio.Transport | None, host: str
     ) -> None:
         client = Subscriber(answer, transport)
         self._clients.add(client)
@@ -107,9 +126,32 @@ class WebServer:
             async for message in answer:
                 if message.type == WSMsgType.ERROR:
                     break
+                if not await self._read(client, message.data, host):
+                    break
         finally:
             self._clients.discard(client)
             sending.cancel()
+
+    async def _read(self, client: Subscriber, data: bytes | str, host: str) -> bool:
+        """Handle a client's message; false if its hello is refused, which ends its connection."""
+        try:
+            requests = [read_text(data)] if isinstance(data, str) else read_binary(data)
+        except ValueError as error:
+            log.debug("web: skipped a message of %s: %s", host, error)
+            return True
+        for address, arguments in requests:
+            if address != HELLO:
+                self._control(ControlMessage(address, arguments, (host, 0), LARGEST, client.answer))
+                continue
+            welcome, stream = answer_hello(
+                arguments, self._node, self._session, binary=client.binary
+            )
+            if stream is None:
+                await client.refuse(welcome)
+                return False
+            client.answer(welcome)
+            client.choose(stream)
+        return True
 
     async def _disconnect(self, _: web.Application) -> None:
         for client in list(self._clients):

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from threading import Event
 
 import pytest
 from pythonosc.osc_message_builder import OscMessageBuilder
@@ -44,7 +45,7 @@ def service(camera) -> Iterator[Service]:
         closing(ProfileReloader(None, camera, None)) as reloader,
     ):
         leases = Leases("desk", "s1", ("127.0.0.0/8",))
-        yield Service(control, ControlHandler(control, reloader, leases, osc), osc)
+        yield Service(control, ControlHandler(control, reloader, leases, osc, Event()), osc)
 
 
 @pytest.fixture

@@ -97,6 +97,7 @@ def run(
     listener: Listener | None = None,
     control: Callable[[State, Source | None], State] = lambda state, source: state,
     watch: Callable[[Frame], None] = lambda frame: None,
+    paused: threading.Event | None = None,
 ) -> tuple[Listener, Scripted]:
     listener, source = listener or Listener(), Scripted(script)
     tracker = TrackerThread(make) if make else None
@@ -105,7 +106,9 @@ def run(
     def never() -> Scripted:
         raise UserError("no camera")
 
-    loop = LiveLoop(source, reopen or never, tracker, state, listener, control, watch, method)
+    loop = LiveLoop(
+        source, reopen or never, tracker, state, listener, control, watch, method, paused
+    )
     guard = threading.Timer(30.0, loop.stop)  # a loop that never ends must fail, not hang
     guard.start()
     try:
@@ -326,6 +329,36 @@ def test_an_error_in_a_frame_releases_a_touch_and_the_next_frame_is_sensed(
     assert [event.kind for event in shown[7].events] == ["up"]
     assert [pointer.state for pointer in shown[9].pointers] == [Touch.HOVER]
     assert shown[9].pointers[0].id > shown[6].pointers[0].id
+
+
+def test_a_pause_releases_a_touch_and_reports_the_tracker_off(
+    profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]
+) -> None:
+    paused = threading.Event()
+    paused.set()
+    rests: list[Frame | None] = [draw(signal=2200.0, time_us=n * FRAME_US) for n in (6, 7)]
+    listener, _ = run(rests, state=touching(profile, draw, see), paused=paused)
+    assert [each.time_us for each in listener.frames[:2]] == [6 * FRAME_US, 7 * FRAME_US]
+    assert all(each.pointers == () for each in listener.frames)
+    assert [event.kind for each in listener.frames for event in each.events] == ["up"]
+    assert {each.tracker for each in listener.healths} == {"off"}
+
+
+def test_a_tracker_is_made_again_when_what_it_is_made_from_changed() -> None:
+    made = threading.Semaphore(0)
+
+    def make() -> Blind:
+        made.release()
+        return Blind()
+
+    tracker = TrackerThread(make)
+    try:
+        assert made.acquire(timeout=10.0)
+        tracker.reload()
+        assert made.acquire(timeout=10.0)
+        assert not made.acquire(timeout=0.5)
+    finally:
+        tracker.close()
 
 
 def test_frames_of_one_source_that_all_fail_do_not_harm_the_next_source() -> None:

@@ -13,12 +13,14 @@ from contextlib import ExitStack, closing, suppress
 from typing import Any
 
 import pytest
+from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.exceptions import InvalidStatus, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
 from halo_service.web.settings import WebSettings
@@ -198,3 +200,110 @@ def test_closing_says_goodbye_to_clients() -> None:
             socket_.recv(5.0)
         ended.join(10.0)
     assert not server._thread.is_alive()
+
+
+def control(address: str, *arguments: object) -> str:
+    return json.dumps(
+        {"kind": "control", "address": f"/halo/1/control/{address}", "arguments": arguments}
+    )
+
+
+@pytest.mark.parametrize(
+    ("protocol", "version", "stream", "outcome"),
+    [
+        (JSON, "1.0.0", "frames", "accepted"),
+        (JSON, "1.0.7", "frames,rate=10", "accepted"),
+        (JSON, "1.0.0", "flat", "refused"),
+        (JSON, "2.0.0", "frames", "refused"),
+        (JSON, "1.1.0", "frames", "refused"),
+        (JSON, "1.0.0", "midi", "refused"),
+        (OSC, "1.0.0", "flat", "accepted"),
+        (OSC, "0.9.0", "flat", "refused"),
+    ],
+)
+def test_a_hello_is_judged_and_a_refused_client_is_disconnected(
+    protocol: str, version: str, stream: str, outcome: str
+) -> None:
+    with closing(WebServer(WebSettings(), "desk", "s1")) as server, client(server, protocol) as c:
+        if protocol == JSON:
+            c.send(control("hello", version, stream))
+            answer = json.loads(c.recv(5.0))
+            address, arguments = answer["address"], answer["arguments"]
+        else:
+            c.send(osc_message("/halo/1/control/hello", version, stream))
+            ((address, arguments),) = wire.parse_osc(bytes(c.recv(5.0)))  # type: ignore[arg-type]
+        assert address == "/halo/1/control/welcome"
+        assert list(arguments[:4]) == ["desk", "s1", wire.VERSION, outcome]
+        if outcome == "refused":
+            with pytest.raises(WebSocketException):
+                c.recv(5.0)
+
+
+def osc_message(address: str, *arguments: str) -> bytes:
+    builder = OscMessageBuilder(address)
+    for argument in arguments:
+        builder.add_arg(argument)
+    return bytes(builder.build().dgram)
+
+
+def test_clients_have_streams_of_their_own(server: WebServer) -> None:
+    with client(server, OSC) as flat, client(server, JSON) as other, client(server, JSON) as all_:
+        flat.send(osc_message("/halo/1/control/hello", "1.0.0", "flat"))
+        other.send(control("hello", "1.0.0", "frames,surface=wall"))
+        assert b"welcome" in bytes(flat.recv(5.0))  # type: ignore[arg-type]
+        assert json.loads(other.recv(5.0))["arguments"][3] == "accepted"
+        wait_for_clients(server, 3)
+        server.send(frame(1, (TOUCHING,)))
+        addresses = [each for each, _ in wire.parse_osc(bytes(flat.recv(5.0)))]  # type: ignore[arg-type]
+        assert "/halo/1/table/slot/0/u" in addresses
+        assert json.loads(all_.recv(5.0))["kind"] == "frame"
+        with pytest.raises(TimeoutError):
+            other.recv(0.2)
+
+
+def test_commands_reach_the_service_and_answers_the_client() -> None:
+    got: list[ControlMessage] = []
+
+    def answer(message: ControlMessage) -> None:
+        got.append(message)
+        message.answer(osc_message("/halo/1/control/status", "desk"))
+
+    with closing(WebServer(WebSettings(), control=answer)) as server, client(server, JSON) as c:
+        c.send(control("sensing/hover_range_mm", 55.5))
+        assert json.loads(c.recv(5.0)) == {
+            "kind": "control", "address": "/halo/1/control/status", "arguments": ["desk"],
+        }  # fmt: skip
+    (message,) = got
+    assert message.address == "/halo/1/control/sensing/hover_range_mm"
+    assert (message.arguments, message.sender[0]) == ((55.5,), "127.0.0.1")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[" * 3000,
+        "1",
+        '{"kind": "control"}',
+        '{"kind": "control", "address": 1}',
+        '{"kind": "control", "address": "/a\\u0000"}',
+        '{"kind": "control", "address": "/a", "arguments": {}}',
+        '{"kind": "control", "address": "/a", "arguments": [[1]]}',
+        '{"kind": "control", "address": "/a", "arguments": [NaN]}',
+        '{"kind": "control", "address": "/a", "arguments": [99999999999]}',
+        '{"kind": "control", "address": "/a", "arguments": ["\\ud800"]}',
+    ],
+)
+def test_a_bad_message_is_skipped(text: str) -> None:
+    got: list[ControlMessage] = []
+    with (
+        closing(WebServer(WebSettings(), control=got.append)) as server,
+        client(server, JSON) as c,
+    ):
+        c.send(text)
+        c.send(control("pause"))
+        until = time.monotonic() + 5.0
+        while not got and time.monotonic() < until:
+            time.sleep(0.01)
+    assert [each.address for each in got] == ["/halo/1/control/pause"]

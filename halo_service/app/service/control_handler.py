@@ -1,15 +1,26 @@
-"""Handles the messages that clients send to the control port.
+"""Handles the messages that clients send to the control port or by WebSocket.
 
-Rule: one row per address. An unknown or wrong message is logged once and skipped.
+Rule: one row per address; only hosts in the allowed networks are heard. An unknown or wrong
+message is logged once and skipped.
 """
 
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from halo_protocol.handshake import GOODBYE, HELLO, LEASE
+from halo_service.app.service.commands import (
+    LEAST_STATUS,
+    STATUS,
+    is_press,
+    profile_folder,
+    status,
+    with_setting,
+)
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage, ControlPort
@@ -22,6 +33,11 @@ log = logging.getLogger(__name__)
 
 MAX_WARNINGS = 64
 """Different warnings that are logged, each once; any client can send more."""
+CONTROL = "/halo/1/control/"
+SENSING = f"{CONTROL}sensing/"
+"""Addresses of the settings of `[sensing]`."""
+
+Row = Callable[[ControlMessage, State, Source | None], State]
 
 
 class ControlHandler:
@@ -31,50 +47,109 @@ class ControlHandler:
         self,
         control: ControlPort,
         reloader: ProfileReloader,
-        leases: Leases | None = None,
-        osc: OscOutput | None = None,
+        leases: Leases,
+        osc: OscOutput,
+        paused: threading.Event,
     ) -> None:
-        """`leases`, `osc`: clients that ask for the stream, and what sends to them."""
+        """`leases`, `osc`: clients that ask for the stream, and what sends to them; `paused`: set
+        while frames are to have no pointers."""
         self._control = control
         self._leases, self._osc = leases, osc
         self._reloader = reloader
+        self._paused = paused
+        self._error = ""
+        """Why the last command failed; empty: it did not."""
         self._warned: set[str] = set()
-        self._rows: dict[str, Callable[[ControlMessage, State, Source | None], State]] = {
-            "/halo/1/sim/finger": _move_finger,
-            "/halo/1/control/background": self._retake_background,
+        self._triggers: dict[str, Callable[[], None]] = {
+            f"{CONTROL}pause": self._pause,
+            f"{CONTROL}resume": self._resume,
+            f"{CONTROL}background": reloader.retake_background,
         }
-        if leases is not None:
-            self._rows |= dict.fromkeys((HELLO, LEASE, GOODBYE), self._stream)
+        self._rows: dict[str, Row] = {
+            "/halo/1/sim/finger": _move_finger,
+            **dict.fromkeys(self._triggers, self._trigger),
+            f"{CONTROL}profile": self._switch_profile,
+            STATUS: self._answer_status,
+            **dict.fromkeys((HELLO, LEASE, GOODBYE), self._stream),
+        }
 
     def handle(self, state: State, source: Source | None) -> State:
         """Handle all messages; return the new state. `source`: None while it is lost."""
         for message in self._control.drain():
-            row = self._rows.get(message.address)
+            if not self._leases.networks.allow(message.sender[0]):
+                self._warn(message, "its host is not in [control] networks")
+                continue
             try:
-                if row is None:
-                    raise UserError(f"unknown address; choose from: {', '.join(self._rows)}")
-                state = row(message, state, source)
+                state = self._row(message.address)(message, state, source)
             except UserError as error:
+                self._error = str(error)
                 self._warn(message, str(error))
-        if self._leases is not None and self._osc is not None:
-            self._leases.expire(time.monotonic())
-            self._osc.set_leased(self._leases.destinations)
+        self._leases.expire(time.monotonic())
+        self._osc.set_leased(self._leases.destinations)
         return self._reloader.refresh(state)
+
+    def _row(self, address: str) -> Row:
+        if address.startswith(SENSING):
+            return self._set
+        if address not in self._rows:
+            raise UserError(f"unknown address; choose from: {', '.join(self._rows)}, {SENSING}...")
+        return self._rows[address]
 
     def _stream(self, message: ControlMessage, state: State, source: Source | None) -> State:
         """Answer a client that asks for the stream, or renews or ends it."""
         del source
-        assert self._leases is not None  # else the address is unknown
-        for datagram, to in self._leases.handle(message, time.monotonic()):
-            self._control.reply(datagram, to)
+        for datagram, _ in self._leases.handle(message, time.monotonic()):
+            message.answer(datagram)
         return state
 
-    def _retake_background(
+    def _trigger(self, message: ControlMessage, state: State, source: Source | None) -> State:
+        del source
+        if is_press(message.arguments):
+            self._error = ""
+            self._triggers[message.address]()
+        return state
+
+    def _pause(self) -> None:
+        if not self._paused.is_set():
+            log.info("paused: frames have no pointers until a client resumes")
+        self._paused.set()
+
+    def _resume(self) -> None:
+        if self._paused.is_set():
+            log.info("resumed")
+        self._paused.clear()
+
+    def _switch_profile(
         self, message: ControlMessage, state: State, source: Source | None
     ) -> State:
-        """Start a new background; the revision in the scene changes when it is done."""
-        del message, source
-        self._reloader.retake_background()
+        del source
+        self._error = ""
+        self._reloader.switch(profile_folder(message.arguments))
+        return state
+
+    def _set(self, message: ControlMessage, state: State, source: Source | None) -> State:
+        """Change a setting of `[sensing]` until the service ends; the settings file stays."""
+        del source
+        self._error = ""
+        name = message.address.removeprefix(SENSING)
+        return replace(state, settings=with_setting(state.settings, name, message.arguments))
+
+    def _answer_status(self, message: ControlMessage, state: State, source: Source | None) -> State:
+        del source
+        if message.size < LEAST_STATUS:
+            raise UserError(f"fill it up with text to {LEAST_STATUS} bytes, for its answer is long")
+        if not is_press(message.arguments):
+            return state
+        profile = self._reloader.profile
+        message.answer(
+            status(
+                self._leases.node,
+                self._leases.session,
+                profile.name if profile else "",
+                self._error or self._reloader.error,
+                paused=self._paused.is_set(),
+            )
+        )
         return state
 
     def _warn(self, message: ControlMessage, why: str) -> None:

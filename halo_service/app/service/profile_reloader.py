@@ -1,5 +1,5 @@
-"""Updates the profile of the running service: reloads it when its file changes, and measures a new
-background on request.
+"""Updates the profile of the running service: reloads it when its file changes, changes to another
+one and measures a new background on request.
 
 Rule: a thread of its own reads, averages and saves; the live loop gets a complete profile between
 two frames.
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,7 +22,7 @@ from halo_service.profile import Profile
 from halo_service.profile.store import TEXT, amend, load, require_fit
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.latest import Latest
-from halo_service.sensing import State, adopt
+from halo_service.sensing import DEFAULT_SURFACE, State, adopt
 from halo_service.values import Frame, Tracked
 
 log = logging.getLogger(__name__)
@@ -38,6 +39,12 @@ class ProfileReloader:
         self._folder = folder
         self._camera = camera
         self._profile = profile
+        self._surface = profile.surface.name if profile else DEFAULT_SURFACE[0]
+        self.on_change: Callable[[], None] = lambda: None
+        """Called by `refresh` when there is another profile."""
+        self.error = ""
+        """Why the last change to another profile failed; empty: it did not."""
+        self._wanted: Latest[Path] = Latest()
         self._stamp = self._stamp_now()
         self._collected: list[Frame] | None = None
         self._ready: Latest[list[Frame]] = Latest()
@@ -45,6 +52,16 @@ class ProfileReloader:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="profile", daemon=True)
         self._thread.start()
+
+    @property
+    def profile(self) -> Profile | None:
+        """The newest one."""
+        return self._profile
+
+    def switch(self, folder: Path) -> None:
+        """Change to another profile within a second; `error` says why it failed."""
+        self.error = ""
+        self._wanted.put(folder)
 
     def retake_background(self) -> None:
         """Measure the background from the next frames. Raises `UserError` without a profile."""
@@ -69,7 +86,10 @@ class ProfileReloader:
             log.warning("background: not measured, a hand is in view; remove it and try again")
             self._collected = None
         profile = self._new.take(0.0)
-        return state if profile is None else adopt(state, profile)
+        if profile is None:
+            return state
+        self.on_change()
+        return adopt(state, profile)
 
     def close(self) -> None:
         """End the thread."""
@@ -84,6 +104,7 @@ class ProfileReloader:
                 with errors.guard("profile"):
                     if frames is not None:
                         self._save_background(frames)
+                    self._switch()
                     self._reload()
             except UserError as error:
                 log.warning("%s; the service goes on with the profile it has", error)
@@ -104,16 +125,43 @@ class ProfileReloader:
         assert self._profile is not None
         return replace(change(self._profile), revision=self._profile.revision + 1)
 
+    def _switch(self) -> None:
+        folder = self._wanted.take(0.0)
+        if folder is None:
+            return
+        try:
+            profile = self._load(folder)
+        except UserError as error:
+            self.error = str(error)
+            raise
+        self._folder = folder
+        self._stamp = self._stamp_now()
+        self._use(profile)
+        log.info("profile: changed to '%s', revision %d", profile.name, profile.revision)
+
     def _reload(self) -> None:
         stamp = self._stamp_now()
         if stamp == self._stamp or stamp is None or self._folder is None:
             return
         self._stamp = stamp
-        profile = load(self._folder)
+        profile = self._load(self._folder)
+        self._use(profile)
+        log.info("profile: '%s' changed, now revision %d", profile.name, profile.revision)
+
+    def _load(self, folder: Path) -> Profile:
+        """Load a profile. Raises `UserError` for one that this service cannot use."""
+        profile = load(folder)
         require_fit(profile, self._camera)
+        if profile.surface.name != self._surface:
+            raise UserError(
+                f"the profile '{profile.name}' has the surface '{profile.surface.name}', and this "
+                f"service sends '{self._surface}'; start it again with --profile"
+            )
+        return profile
+
+    def _use(self, profile: Profile) -> None:
         self._profile = profile
         self._new.put(profile)
-        log.info("profile: '%s' changed, now revision %d", profile.name, profile.revision)
 
     def _stamp_now(self) -> tuple[int, int, int] | None:
         """Return what differs between two versions of the file; None if there is no file."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import secrets
+import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from functools import partial
@@ -49,7 +50,7 @@ def serve(settings: Settings) -> None:
         names = NameWatch(node, session)
         leases = Leases(node, session, settings.control.networks)
         osc = stack.enter_context(closing(OscOutput(destinations(settings))))
-        carriers = [osc, *_carriers(settings, names, surface, stack)]
+        carriers = [osc, *_carriers(settings, names, surface, control, stack)]
         source, reopen = open_source(settings.source)
         stack.callback(source.close)
         profile = profile_for(source, saved, settings)
@@ -58,17 +59,24 @@ def serve(settings: Settings) -> None:
         publisher = Publisher(
             frames, carriers, source.kind, source.camera, surface, control.port, names
         )
-        tracker = _tracker(source, profile, settings)
-        if tracker is not None:
-            stack.callback(tracker.close)
-        state = start(profile, settings.sensing)
         folder = profile_path(settings.profile) if settings.profile else None
         reloader = ProfileReloader(folder, source.camera, profile)
         stack.callback(reloader.close)
-        handler = ControlHandler(control, reloader, leases, osc)
-        reopen_same = partial(_reopen_same, reopen, source.camera)
+        tracker = _tracker(source, reloader, settings)
+        if tracker is not None:
+            stack.callback(tracker.close)
+            reloader.on_change = tracker.reload
+        paused = threading.Event()
+        handler = ControlHandler(control, reloader, leases, osc, paused)
         loop = LiveLoop(
-            source, reopen_same, tracker, state, publisher, handler.handle, reloader.watch
+            source,
+            partial(_reopen_same, reopen, source.camera),
+            tracker,
+            start(profile, settings.sensing),
+            publisher,
+            handler.handle,
+            reloader.watch,
+            paused=paused,
         )
         stop_on_signals(loop.stop)
         _log_start(settings, source, profile, node, control.port)
@@ -101,12 +109,12 @@ def _node(name: str) -> str:
         raise UserError(f"{error}; set it with --node or in halo.toml") from error
 
 
-def _tracker(source: Source, profile: Profile | None, settings: Settings) -> TrackerThread | None:
+def _tracker(source: Source, reloader: ProfileReloader, settings: Settings) -> TrackerThread | None:
     """Make the hand tracker; None for a recording without a profile, which needs no hands."""
-    if profile is None and not settings.profile and source.kind == "recording":
+    if reloader.profile is None and not settings.profile and source.kind == "recording":
         return None
     model_for(settings.tracking)  # here, so that a missing model is an error at the start
-    return TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
+    return TrackerThread(lambda: HandDetector(source.camera, reloader.profile, settings.tracking))
 
 
 def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
@@ -119,7 +127,7 @@ def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
 
 
 def _carriers(
-    settings: Settings, names: NameWatch, surface: str, stack: ExitStack
+    settings: Settings, names: NameWatch, surface: str, control: ControlPort, stack: ExitStack
 ) -> list[Carrier]:
     carriers: list[Carrier] = []
     if settings.zenoh.enabled:
@@ -131,7 +139,8 @@ def _carriers(
     if settings.web.enabled:
         from halo_service.web.server import WebServer
 
-        server = stack.enter_context(closing(WebServer(settings.web)))
+        server = WebServer(settings.web, names.node, names.session, control.put)
+        stack.callback(server.close)
         log.info("browsers connect to %s", server.url)
         carriers.append(server)
     return carriers

@@ -178,6 +178,11 @@ class Recorder:
         return jpeg.tobytes()
 
     def _cannot_write(self, error: OSError) -> UserError:
+        if isinstance(error, FileNotFoundError):
+            return UserError(
+                f"{self._path} cannot be written: the folder {self._path.parent} does not exist; "
+                "create it, or name another one."
+            )
         return UserError(
             f"{self._path} cannot be written ({error.strerror}); "
             "free some space, or record to another folder."

@@ -37,9 +37,9 @@ def pack(folder: Path, out: Path) -> None:
         files = {TEXT: text}
         for name in _named(text):
             files[name] = (folder / name).read_bytes()
-        with appearing(out) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as parcel:
+        with appearing(out) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, content in files.items():
-                parcel.writestr(zipfile.ZipInfo(name), content)
+                archive.writestr(zipfile.ZipInfo(name), content)
     except OSError as error:
         raise UserError(
             f"'{out}' cannot be written ({error.strerror}); choose another place"
@@ -50,16 +50,18 @@ def unpack(path: Path) -> Profile:
     """Read a profile out of a file from anywhere. Raises `UserError` for anything else."""
     try:
         with (
-            zipfile.ZipFile(path) as parcel,
+            zipfile.ZipFile(path) as archive,
             tempfile.TemporaryDirectory(prefix="halo-profile-") as folder,
         ):
-            for name, content in _checked(parcel).items():
+            for name, content in _checked(archive).items():
                 (Path(folder) / name).write_bytes(content)
             return load(Path(folder))
     except (ValueError, OSError, RuntimeError) as error:
         raise _refused(path, error) from error
     except (zipfile.BadZipFile, zlib.error, struct.error, SyntaxError, EOFError) as error:
-        raise _refused(path, "it is no exported profile") from error
+        raise UserError(
+            f"'{path}' is not an exported profile; give a file that 'halo profile export' wrote"
+        ) from error
 
 
 def _named(text: bytes) -> list[str]:
@@ -69,9 +71,9 @@ def _named(text: bytes) -> list[str]:
     return [data["background"], *([correction["arrays"]] if correction else [])]
 
 
-def _checked(parcel: zipfile.ZipFile) -> dict[str, bytes]:
+def _checked(archive: zipfile.ZipFile) -> dict[str, bytes]:
     """Return the files by name. Raises ValueError for what no profile holds."""
-    members = parcel.infolist()
+    members = archive.infolist()
     names = [member.filename for member in members]
     if len(names) > MOST_FILES or len(set(names)) < len(names):
         raise ValueError(f"it holds {len(names)} files; a profile has at most {MOST_FILES}")
@@ -82,7 +84,7 @@ def _checked(parcel: zipfile.ZipFile) -> dict[str, bytes]:
         raise ValueError(f"it holds no {TEXT}")
     files = {}
     for member in members:
-        with parcel.open(member) as file:
+        with archive.open(member) as file:
             content = file.read(MOST_BYTES + 1)  # whatever the directory says of its size
         if len(content) > MOST_BYTES:
             raise ValueError(f"its {member.filename} is larger than any profile's")

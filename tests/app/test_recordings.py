@@ -104,14 +104,17 @@ def test_ctrl_c_ends_a_live_take_and_keeps_it(
             ["simulate", "demo?speed=3", "--out", "x.mkv", "--seconds", "1"],
             "choose from: seed, material",
         ),
-        (["simulate", "demo", "--out", "no/x.mkv", "--seconds", "0.1"], "cannot be written"),
+        (
+            ["simulate", "demo", "--out", "no/x.mkv", "--seconds", "0.1"],
+            "/no does not exist; create",
+        ),
         (
             ["simulate", "demo", "--out", "x.mkv", "--truth", "no/x", "--seconds", "0.1"],
             "cannot be written",
         ),
         (["simulate", "demo"], "simulate needs a SCENARIO and --out"),
         (["record", "x.mkv", "--source", "recording:none.mkv"], "none.mkv does not exist"),
-        (["record", "no/x.mkv", "--source", "sim"], "cannot be written"),
+        (["record", "no/x.mkv", "--source", "sim"], "no/x.mkv cannot be written: the folder"),
     ],
 )
 def test_a_take_that_cannot_be_leaves_nothing(

@@ -172,7 +172,8 @@ def test_a_recording_without_a_frame_is_deleted(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "says"), [("nowhere/r.mkv", "cannot be written"), ("", "is a folder")]
+    ("name", "says"),
+    [("nowhere/r.mkv", r"the folder \S*nowhere does not exist; create it"), ("", "is a folder")],
 )
 def test_an_unwritable_path_is_refused_at_once(tmp_path, name, says):
     with pytest.raises(UserError, match=says):

@@ -23,7 +23,7 @@ Files = dict[str, bytes]
 
 
 @pytest.fixture
-def parcel(tmp_path: Path) -> Path:
+def archive(tmp_path: Path) -> Path:
     lens = Lens(8, 6, 500.0, 501.0, 3.5, 2.5)
     camera = Camera("A1", "NFOV_UNBINNED", 30, lens, None, np.eye(4))
     flat = np.full((6, 8), 500, np.float32)
@@ -34,10 +34,10 @@ def parcel(tmp_path: Path) -> Path:
     return tmp_path / "desk.halo"
 
 
-def rewritten(parcel: Path, change: Callable[[Files], Files]) -> Path:
-    with zipfile.ZipFile(parcel) as old:
+def rewritten(archive: Path, change: Callable[[Files], Files]) -> Path:
+    with zipfile.ZipFile(archive) as old:
         files = {name: old.read(name) for name in old.namelist()}
-    out = parcel.with_name("changed.halo")
+    out = archive.with_name("changed.halo")
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
         for name, content in change(files).items():
             new.writestr(name, content)
@@ -71,8 +71,8 @@ def renamed(files: Files) -> Files:
     return files | {"profile.json": json.dumps(data).encode()}
 
 
-def test_what_is_exported_is_imported(parcel: Path, tmp_path: Path) -> None:
-    folder = profiles.import_profile(parcel, str(tmp_path / "there"))
+def test_what_is_exported_is_imported(archive: Path, tmp_path: Path) -> None:
+    folder = profiles.import_profile(archive, str(tmp_path / "there"))
     np.testing.assert_array_equal(
         load(folder).background.mean_mm, load(tmp_path / "desk").background.mean_mm
     )
@@ -97,35 +97,35 @@ def test_what_is_exported_is_imported(parcel: Path, tmp_path: Path) -> None:
     ],
 )
 def test_foreign_files_are_refused_in_one_sentence(
-    parcel: Path, change: Callable[[Files], Files], says: str
+    archive: Path, change: Callable[[Files], Files], says: str
 ) -> None:
     with pytest.raises(UserError, match=says):
-        profiles.import_profile(rewritten(parcel, change), None)
+        profiles.import_profile(rewritten(archive, change), None)
 
 
 def test_what_is_no_archive_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.halo"
     path.write_bytes(b"PK no")
-    with pytest.raises(UserError, match="is no exported profile"):
+    with pytest.raises(UserError, match="is not an exported profile; give a file that 'halo prof"):
         unpack(path)
     with pytest.raises(UserError, match="cannot be imported"):
         unpack(tmp_path / "none.halo")
 
 
-def test_a_flipped_byte_is_never_a_traceback(parcel: Path) -> None:
-    whole = parcel.read_bytes()
+def test_a_flipped_byte_is_never_a_traceback(archive: Path) -> None:
+    whole = archive.read_bytes()
     refused = 0
     for place in range(0, len(whole), 5):
-        parcel.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        archive.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
         try:
-            unpack(parcel)
+            unpack(archive)
         except UserError:
             refused += 1
     assert refused > 0
 
 
-def test_no_profile_is_written_over(parcel: Path, tmp_path: Path) -> None:
+def test_no_profile_is_written_over(archive: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="already"):
-        profiles.import_profile(parcel, str(tmp_path / "desk"))
+        profiles.import_profile(archive, str(tmp_path / "desk"))
     with pytest.raises(UserError, match="already"):
         profiles.copy(str(tmp_path / "desk"), str(tmp_path / "desk"))

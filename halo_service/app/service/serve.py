@@ -161,7 +161,8 @@ def _log_start(
     osc = ", ".join(map(str, destinations(settings))) or "off"
     set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
     zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
-    log.info("source %s %s, serial %s", source.kind, settings.source.name, source.camera.serial)
+    kind = "virtual camera" if source.kind == "virtual" else source.kind
+    log.info("source: %s (%s), serial %s", kind, settings.source.name, source.camera.serial)
     log.info("calibration %s", profile.calibrated if profile else "none")
     log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
     log.info("node %s, control port %d; Ctrl-C ends", node, control_port)

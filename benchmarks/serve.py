@@ -1,6 +1,6 @@
 """How soon and how steadily the virtual service speaks: `uv run python benchmarks/serve.py`.
 
-Starts `halo serve` with the virtual Kinect and listens as a client does. Prints the seconds from
+Starts `halo serve` with the virtual camera and listens as a client does. Prints the seconds from
 start to the first frame and the first pointer, the frames a second over the time after, and what
 the service says of itself. Seconds depend on the machine and on what else it does.
 """

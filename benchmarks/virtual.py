@@ -1,4 +1,4 @@
-"""What the virtual Kinect costs: time of one core a frame, frames a second offline, memory.
+"""What the virtual camera costs: time of one core a frame, frames a second offline, memory.
 
     uv run python benchmarks/virtual.py [--frames N]
 

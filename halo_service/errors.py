@@ -1,5 +1,19 @@
 """What goes wrong in the user's hands, said in one sentence with the remedy."""
 
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+NEAR = 0.62
+"""How alike two words are, from 0 to 1, for the one to be proposed for the other (chosen)."""
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """Return `did you mean '...'?` with the nearest known word, or nothing."""
+    near = difflib.get_close_matches(word, known, n=1, cutoff=NEAR)
+    return f"did you mean '{near[0]}'?" if near else ""
+
 
 class UserError(Exception):
     """Something the user can mend: one sentence that says what is wrong and what to do.

@@ -1,6 +1,6 @@
 """A virtual room where things lie: what the calibration's solvers see, and what is true there.
 
-The virtual Kinect draws depth, infrared and colour; the truth is the room's own geometry.
+The virtual camera draws depth, infrared and colour; the truth is the room's own geometry.
 """
 
 from __future__ import annotations

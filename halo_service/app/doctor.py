@@ -23,6 +23,8 @@ class Finding:
     good: bool
     state: str
     remedy: str = ""
+    optional: bool = False
+    """The service also works without it."""
 
 
 def examine(settings: Settings) -> list[Finding]:
@@ -42,7 +44,7 @@ def examine(settings: Settings) -> list[Finding]:
 
 def format_finding(finding: Finding) -> str:
     """Return a finding as one line."""
-    mark = "ok     " if finding.good else "MISSING"
+    mark = "ok     " if finding.good else "none   " if finding.optional else "MISSING"
     remedy = f"; {finding.remedy}" if finding.remedy and not finding.good else ""
     return f"{mark} {finding.what}: {finding.state}{remedy}"
 
@@ -57,7 +59,6 @@ def _packages(settings: Settings) -> Finding:
 
 
 def _sdk(settings: Settings) -> Finding:
-    del settings
     if importlib.util.find_spec("pyk4a") is None:
         return Finding(
             "camera SDK",
@@ -65,6 +66,7 @@ def _sdk(settings: Settings) -> Finding:
             "the SDK of the Azure Kinect is not installed",
             "it exists only for Linux and Windows on x86-64; on other systems use a recording or "
             "--source sim",
+            optional=settings.source.name != "azure-kinect",
         )
     return Finding("camera SDK", True, "installed")
 
@@ -82,6 +84,7 @@ def _camera(settings: Settings) -> Finding:
             False,
             "no Azure Kinect is plugged in",
             "plug it into a USB 3 port and its power supply; until then --source sim works",
+            optional=name == "auto",
         )
     return Finding("camera", True, f"{count} plugged in")
 
@@ -110,6 +113,7 @@ def _profile(settings: Settings) -> Finding:
             False,
             f"none chosen; profiles are in {profiles_path()}",
             "run 'halo calibrate --profile desk', then use --profile desk",
+            optional=True,
         )
     try:
         profile = load(profile_path(settings.profile))
@@ -146,6 +150,7 @@ def _base(settings: Settings) -> Finding:
         False,
         f"none for camera {serial}; only the finger pitch of the wedge is corrected",
         "make one with 'halo calibrate pilot'",
+        optional=True,
     )
 
 

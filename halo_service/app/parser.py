@@ -6,8 +6,7 @@ Rule: nothing heavy is imported to read the command line or to print a help text
 from __future__ import annotations
 
 import argparse
-import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any, NoReturn, Protocol
 
@@ -27,6 +26,7 @@ from halo_service.app.commands import (
     targets,
     verify,
 )
+from halo_service.errors import suggestion
 
 
 class Command(Protocol):
@@ -113,12 +113,6 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print one sentence and leave with exit code 2."""
         self.exit(2, f"{self.prog}: {message}\n(see '{self.prog} --help')\n")
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """Return `did you mean '...'?` with the nearest known word, or nothing."""
-    near = difflib.get_close_matches(word, known, n=1)
-    return f"did you mean '{near[0]}'?" if near else ""
 
 
 def make_parser() -> Parser:

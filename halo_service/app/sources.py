@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from halo_service.errors import UserError
+from halo_service.errors import UserError, suggestion
 from halo_service.files import from_home
 from halo_service.settings import SourceSettings
 from halo_service.sources import Source
 
 log = logging.getLogger(__name__)
 
-KNOWN = "azure-kinect, recording:FILE, sim[:SCENARIO], auto"
+KNOWN = ("azure-kinect", "recording:FILE", "sim[:SCENARIO]", "auto")
 
 
 def open_source(settings: SourceSettings) -> tuple[Source, Callable[[], Source]]:
@@ -60,4 +60,5 @@ def _opener(kind: str, rest: str, name: str, settings: SourceSettings) -> Callab
 
         request = parse_sim_url(name)
         return lambda: VirtualKinect(request)
-    raise UserError(f"source: unknown source '{name}'; choose from: {KNOWN}")
+    hint = suggestion(name, KNOWN) or f"choose from: {', '.join(KNOWN)}"
+    raise UserError(f"source: unknown source '{name}'; {hint}")

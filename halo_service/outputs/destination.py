@@ -76,7 +76,9 @@ def _place(place: str, section: str, text: str) -> tuple[str, int]:
     if section == "tuio" and ":" not in place.rpartition("]")[2]:
         place = f"{place}:{TUIO_PORT}"
     host, _, port = place.rpartition(":")
-    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+    if host and port.isdecimal() and not 0 < int(port) < 65536:
+        raise UserError(f"{section}: port {port} is not from 1 to 65535, in '{text}'")
+    if not host or not port.isdecimal():
         raise UserError(
             f"{section}: '{text}' is not a destination; write host:port, such as {EXAMPLE} or "
             f"{EXAMPLE}/flat,rate=30"

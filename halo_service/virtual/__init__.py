@@ -1,4 +1,4 @@
-"""The virtual Kinect: a hand, a table, a light and a sensor that are not there.
+"""The virtual camera: a hand, a table, a light and a sensor that are not there.
 
 It produces what the SDK of a real one would hand over, and truth beside it, never mixed. The
 halo is phenomenological (`halo` says what that means): figures measured here are claims about

@@ -1,6 +1,6 @@
 """The sensor's own curves, measured on its frames as the paper measures a real camera's.
 
-Rule: frames in, numbers out; this is how the virtual Kinect is judged, not how touch is sensed.
+Rule: frames in, numbers out; this is how the virtual camera is judged, not how touch is sensed.
 """
 
 from __future__ import annotations

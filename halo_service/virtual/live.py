@@ -1,4 +1,4 @@
-"""The virtual Kinect as a live source, in a process of its own.
+"""The virtual camera as a live source, in a process of its own.
 
 Rule: this side only waits and copies. Frames come through a small ring in shared memory, the
 newest wins, and whoever is slow misses some, as with a real device. The other side stands in
@@ -90,7 +90,7 @@ class VirtualKinect:
         if frame is None:
             if self._deadline is not None and time.monotonic() > self._deadline:
                 raise UserError(
-                    "The virtual Kinect does not start; try again on a less busy machine."
+                    "The virtual camera does not start; try again on a less busy machine."
                 )
             return None
         self._deadline = None
@@ -148,6 +148,6 @@ class VirtualKinect:
     def _died(self) -> SourceLost:
         self._process.join(1.0)
         return SourceLost(
-            f"The virtual Kinect's process ended unexpectedly (code {self._process.exitcode}); "
+            f"The virtual camera's process ended unexpectedly (code {self._process.exitcode}); "
             "start it again."
         )

@@ -37,7 +37,7 @@ class Take:
         colour_times: int = 1,
         start_s: float = 0.0,
     ) -> None:
-        """`colour_times`: see `Sensor`; 2 is what a live virtual Kinect shows.
+        """`colour_times`: see `Sensor`; 2 is what a live virtual camera shows.
 
         `start_s`: frames before it are neither rendered nor returned.
         """

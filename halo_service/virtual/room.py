@@ -112,7 +112,7 @@ def draw_room(seed: int, **overrides: object) -> Room:
     Raises UserError for a negative seed, an unknown material, a value out of range.
     """
     if seed < 0:
-        raise UserError(f"The virtual Kinect's seed is {seed}; give a whole number from 0 up.")
+        raise UserError(f"The virtual camera's seed is {seed}; give a whole number from 0 up.")
     place = stream(seed, "camera")
     plain = overrides.get("sensor", Room().sensor) == KIND
     drawn = Room(
@@ -205,7 +205,7 @@ def check(room: Room) -> Room:
         value = getattr(getattr(room, part) if part else room, field_name)
         if not low <= value <= high:
             raise UserError(
-                f"The virtual Kinect's {field_name} is {value:g}; give {low:g} to {high:g}."
+                f"The virtual camera's {field_name} is {value:g}; give {low:g} to {high:g}."
             )
     return room
 
@@ -214,5 +214,5 @@ def _check_names(what: str, names: Sequence[str], choices: Collection[str]) -> N
     for name in names:
         if name not in choices:
             raise UserError(
-                f"The virtual Kinect has no {what} {name!r}; choose from: {', '.join(choices)}."
+                f"The virtual camera has no {what} {name!r}; choose from: {', '.join(choices)}."
             )

@@ -1,4 +1,4 @@
-"""What the virtual Kinect measures: hands in a room to the frame that an SDK would hand us.
+"""What the virtual camera measures: hands in a room to the frame that an SDK would hand us.
 
 Rule: a frame is a function of (room, time, what is in view): no hidden state, so the same seed
 gives the same bytes in any order. The truth stays outside: nothing of it is in the frame.
@@ -35,7 +35,7 @@ from halo_service.virtual.skeleton import PosedHand, User
 
 
 class Sensor:
-    """A virtual Kinect over one room.
+    """A virtual camera over one room.
 
     `colour_times` draws the colour image at that fraction of its size and enlarges it (live);
     1 is full quality, 0 switches colour off. `started_us` is when the device was switched on.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import parse_qsl
 
-from halo_service.errors import UserError
+from halo_service.errors import UserError, suggestion
 from halo_service.values import Finger, Side
 from halo_service.virtual.pictures import findable
 from halo_service.virtual.props import sheets
@@ -127,9 +127,8 @@ def parse_sim_url(name: str = "", *, seed: int | None = None) -> SimRequest:
     scenario, _, query = name.removeprefix("sim").removeprefix(":").partition("?")
     scenario = scenario or DEFAULT
     if scenario not in SCENARIOS:
-        raise UserError(
-            f"The virtual Kinect has no scenario {scenario!r}; choose from: {', '.join(SCENARIOS)}."
-        )
+        hint = suggestion(scenario, SCENARIOS) or f"choose from: {', '.join(SCENARIOS)}."
+        raise UserError(f"The virtual camera has no scenario {scenario!r}; {hint}")
     options = dict(parse_qsl(query, keep_blank_values=True))
     drawn_seed = _read("seed", options.pop("seed", "1"), int)
     room = draw_room(seed if seed is not None else drawn_seed, **_named(options))
@@ -144,10 +143,9 @@ def _named(options: Mapping[str, str]) -> dict[str, Any]:
     named = {}
     for option, text in options.items():
         if option not in OPTIONS:
-            raise UserError(
-                f"The virtual Kinect has no option {option!r}; "
-                f"choose from: seed, {', '.join(OPTIONS)}."
-            )
+            known = ("seed", *OPTIONS)
+            hint = suggestion(option, known) or f"choose from: {', '.join(known)}."
+            raise UserError(f"The virtual camera has no option {option!r}; {hint}")
         field, read = OPTIONS[option]
         named[field] = _read(option, text, read)
     return named
@@ -158,4 +156,4 @@ def _read(option: str, text: str, read: Callable[[str], Any]) -> Any:
         return read(text)
     except (ValueError, KeyError):
         kind = KINDS[read]
-        raise UserError(f"The virtual Kinect's {option} is {text!r}; it must be {kind}.") from None
+        raise UserError(f"The virtual camera's {option} is {text!r}; it must be {kind}.") from None

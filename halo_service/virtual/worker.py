@@ -1,4 +1,4 @@
-"""The other side of the live virtual Kinect: a process that draws 30 frames a second.
+"""The other side of the live virtual camera: a process that draws 30 frames a second.
 
 Rule: it owns the clock and the pace, nothing else does. It waits on its pipe between frames, so
 it answers at once, and it ends when the pipe does: with its parent, whatever becomes of that.
@@ -60,7 +60,7 @@ def run(
     except UserError as error:
         pipe.send(("failed", str(error)))
     except Exception as error:
-        pipe.send(("failed", f"The virtual Kinect stopped: {type(error).__name__}: {error}."))
+        pipe.send(("failed", f"The virtual camera stopped: {type(error).__name__}: {error}."))
         raise
     finally:
         ring.release()

@@ -27,10 +27,11 @@ def halo(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     [
         (
             ["serve", "--source", "kinect2"],
-            "source: unknown source 'kinect2'; choose from: azure-kinect",
+            "source: unknown source 'kinect2'; did you mean 'azure-kinect'?",
         ),
         (["serve", "--source", "recording:none.mkv"], "none.mkv does not exist"),
-        (["serve", "--source", "recording:"], "source: unknown source 'recording:'; choose from:"),
+        (["serve", "--source", "recording:"], "did you mean 'recording:FILE'?"),
+        (["serve", "--source", "webcam"], "unknown source 'webcam'; choose from: azure-kinect,"),
         (["serve", "--source", "sim:nowhere"], "has no scenario 'nowhere'; choose from: demo,"),
         (["serve", "--source", "sim", "--loop"], "--loop and --fast work only with"),
         (["serve", "--source", "azure-kinect"], "no Azure Kinect is plugged in"),

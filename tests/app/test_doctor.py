@@ -23,6 +23,7 @@ def test_every_miss_has_a_remedy(tmp_path: Path) -> None:
         taken.bind(("127.0.0.1", 0))
         settings = replace(
             Settings(),
+            source=replace(Settings().source, name="azure-kinect"),
             profile=str(tmp_path / "none"),
             control=ControlSettings(port=taken.getsockname()[1]),
             zenoh=ZenohSettings(connect=("tcp/127.0.0.1:1",)),
@@ -33,6 +34,14 @@ def test_every_miss_has_a_remedy(tmp_path: Path) -> None:
         assert not found[what].good, what
         assert ";" in format_finding(found[what]), "what is wrong, and then the remedy"
     assert found["packages"].good
+
+
+def test_optional_parts_that_are_absent_are_none_and_not_missing() -> None:
+    found = findings(Settings())
+    assert format_finding(found["profile"]).startswith("none    profile: none chosen")
+    assert found["profile"].optional
+    camera = found["camera"]
+    assert camera.good or camera.optional, "without a camera, auto uses the virtual one"
 
 
 def test_the_doctor_exits_with_1_when_something_is_missing(

@@ -102,7 +102,7 @@ def test_ctrl_c_ends_a_live_take_and_keeps_it(
         (["simulate", "demo?camera_height_mm=-5", "--out", "x.mkv", "--seconds", "1"], "give 300"),
         (
             ["simulate", "demo?speed=3", "--out", "x.mkv", "--seconds", "1"],
-            "choose from: seed, material",
+            "did you mean 'seed'?",
         ),
         (
             ["simulate", "demo", "--out", "no/x.mkv", "--seconds", "0.1"],

@@ -1,4 +1,4 @@
-"""Streams for the tests of clients: written by hand, or sensed from the virtual Kinect (slow)."""
+"""Streams for the tests of clients: written by hand, or sensed from the virtual camera (slow)."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def wire() -> Any:
 
 @dataclass(frozen=True)
 class Session:
-    """A scenario of the virtual Kinect as the service senses it, with its ground truth."""
+    """A scenario of the virtual camera as the service senses it, with its ground truth."""
 
     stream: Path
     truth: list[dict[str, Any]]

@@ -50,6 +50,8 @@ MISTAKES = [
     ("sim:juggling", "no scenario 'juggling'; choose from: demo, idle"),
     ("sim:demo?material=glue", "no material 'glue'; choose from: paper, wood"),
     ("sim:demo?colour=red", "no option 'colour'; choose from: seed, material"),
+    ("sim:demo?camera_hight_mm=500", "did you mean 'camera_height_mm'?"),
+    ("sim:druming", "no scenario 'druming'; did you mean 'drumming'?"),
     ("sim:demo?camera_height_mm=-500", "camera_height_mm is -500; give 300 to 1500"),
     ("sim:demo?camera_height_mm=nan", "camera_height_mm is nan"),
     ("sim:demo?camera_height_mm=tall", "camera_height_mm is 'tall'; it must be a number"),
@@ -79,4 +81,4 @@ def test_each_invalid_name_is_rejected_with_the_remedy(name, sentence):
     with pytest.raises(UserError) as caught:
         parse_sim_url(name)
     assert sentence in str(caught.value)
-    assert str(caught.value).endswith(".")
+    assert str(caught.value).endswith((".", "?"))

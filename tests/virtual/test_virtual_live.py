@@ -1,4 +1,4 @@
-"""The live virtual Kinect: quick, bounded, and never an orphan. About 12 s."""
+"""The live virtual camera: quick, bounded, and never an orphan. About 12 s."""
 
 import json
 import os

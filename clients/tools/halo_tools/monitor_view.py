@@ -36,7 +36,7 @@ _BELIEVABLE_US = 60_000_000
 """A frame further from now than this has a recording's time, so its latency is unknown."""
 
 LOUD = {
-    Source.VIRTUAL: "!! VIRTUAL SENSOR: no camera looks at a real hand !!",
+    Source.VIRTUAL: "!! VIRTUAL CAMERA: no real camera looks at a real hand !!",
     Source.RECORDING: "!! RECORDING: what you see happened earlier !!",
 }
 """Warnings if the source is not a camera."""

@@ -18,12 +18,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Exit code 0: nothing is missing; 1: something is."""
+    """Exit code 0: nothing that is needed is missing; 1: something is."""
     from halo_service.app.doctor import examine, format_finding
 
     findings = examine(settings_from(options))
     print("\n".join(format_finding(finding) for finding in findings))
-    if all(finding.good for finding in findings):
+    if all(finding.good or finding.optional for finding in findings):
         print("next: halo serve", file=sys.stderr)
         return 0
     return 1

@@ -30,6 +30,8 @@ def run(options: argparse.Namespace) -> int:
     settings = settings_from(options)
     count = replay(options.recording, options.jsonl, settings, options.method)
     print(f"halo: {count} frames", file=sys.stderr)
+    if not settings.profile:
+        print("halo: no profile: the frames have no touches; add --profile P", file=sys.stderr)
     if options.jsonl != STDOUT:
         print(f"next: halo monitor --from {options.jsonl}", file=sys.stderr)
     return 0

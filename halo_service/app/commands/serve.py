@@ -47,8 +47,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the service; the command line wins over the settings file."""
-    from halo_service.app.service.serve import serve
-
     settings = settings_from(options)
     source = replace(
         settings.source,
@@ -69,6 +67,8 @@ def run(options: argparse.Namespace) -> int:
     )
     web = replace(settings.web, enabled=settings.web.enabled and not options.no_web)
     port = settings.control.port if options.control_port is None else options.control_port
+    from halo_service.app.service.serve import serve  # heavy: settings are checked before
+
     serve(
         replace(
             settings,

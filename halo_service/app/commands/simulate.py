@@ -40,6 +40,7 @@ def run(options: argparse.Namespace) -> int:
         from halo_service.virtual.gallery import save
 
         save(options.gallery, 1 if options.seed is None else options.seed)
+        print(f"halo: the gallery is in {options.gallery}", file=sys.stderr)
     elif options.scenario is None or options.out is None:
         raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
     if options.scenario is not None and options.out is not None:
@@ -53,5 +54,7 @@ def run(options: argparse.Namespace) -> int:
             not options.no_colour,
         )
         print(f"halo: {simulate(request)} frames in {options.out}", file=sys.stderr)
+        if options.truth is None:
+            print("halo: no ground truth; --truth X.jsonl writes it too", file=sys.stderr)
         print(f"next: halo serve --source recording:{options.out}", file=sys.stderr)
     return 0

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from functools import partial
+from typing import TYPE_CHECKING
 
 import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
@@ -21,7 +22,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
-from halo_service.outputs.destination import Destination, parse_destination
+from halo_service.outputs.destination import EXAMPLE, Destination, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
@@ -35,6 +36,9 @@ from halo_service.sensing import DEFAULT_SURFACE, start
 from halo_service.settings import Settings
 from halo_service.sources import Source
 
+if TYPE_CHECKING:
+    from halo_service.web.server import WebServer
+
 log = logging.getLogger(__name__)
 
 
@@ -46,13 +50,14 @@ def serve(settings: Settings) -> None:
         stack.callback(control.close)
         saved = load(profile_path(settings.profile)) if settings.profile else None
         surface = saved.surface.name if saved else DEFAULT_SURFACE[0]
+        source, reopen = open_source(settings.source)
+        stack.callback(source.close)
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
         leases = Leases(node, session, settings.control.networks)
         osc = stack.enter_context(closing(OscOutput(destinations(settings))))
-        carriers = [osc, *_carriers(settings, names, surface, control, stack)]
-        source, reopen = open_source(settings.source)
-        stack.callback(source.close)
+        web = _web(settings, names, control, stack)
+        carriers = [osc, *_zenoh(settings, names, surface, stack), *([web] if web else [])]
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
         frames = FrameEncoder(node, session, first, settings.osc.max_bytes)
@@ -79,7 +84,7 @@ def serve(settings: Settings) -> None:
             paused=paused,
         )
         stop_on_signals(loop.stop)
-        _log_start(settings, source, profile, node, control.port)
+        _log_start(settings, source, profile, node, control.port, web.url if web else "")
         loop.run()
 
 
@@ -126,24 +131,24 @@ def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
     return source
 
 
-def _carriers(
-    settings: Settings, names: NameWatch, surface: str, control: ControlPort, stack: ExitStack
-) -> list[Carrier]:
-    carriers: list[Carrier] = []
-    if settings.zenoh.enabled:
-        from halo_service.outputs.zenoh import ZenohOutput
+def _zenoh(settings: Settings, names: NameWatch, surface: str, stack: ExitStack) -> list[Carrier]:
+    if not settings.zenoh.enabled:
+        return []
+    from halo_service.outputs.zenoh import ZenohOutput
 
-        carriers.append(
-            stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))
-        )
-    if settings.web.enabled:
-        from halo_service.web.server import WebServer
+    return [stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))]
 
-        server = WebServer(settings.web, names.node, names.session, control.put)
-        stack.callback(server.close)
-        log.info("browsers connect to %s", server.url)
-        carriers.append(server)
-    return carriers
+
+def _web(
+    settings: Settings, names: NameWatch, control: ControlPort, stack: ExitStack
+) -> WebServer | None:
+    if not settings.web.enabled:
+        return None
+    from halo_service.web.server import WebServer
+
+    server = WebServer(settings.web, names.node, names.session, control.put)
+    stack.callback(server.close)
+    return server
 
 
 def destinations(settings: Settings) -> list[Destination]:
@@ -156,8 +161,14 @@ def destinations(settings: Settings) -> list[Destination]:
 
 
 def _log_start(
-    settings: Settings, source: Source, profile: Profile | None, node: str, control_port: int
+    settings: Settings,
+    source: Source,
+    profile: Profile | None,
+    node: str,
+    control_port: int,
+    web_url: str,
 ) -> None:
+    """Log where everything is, and last how to see it. `web_url`: empty without a web server."""
     osc = ", ".join(map(str, destinations(settings))) or "off"
     set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
     zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
@@ -165,4 +176,11 @@ def _log_start(
     log.info("source: %s (%s), serial %s", kind, settings.source.name, source.camera.serial)
     log.info("calibration %s", profile.calibrated if profile else "none")
     log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
-    log.info("node %s, control port %d; Ctrl-C ends", node, control_port)
+    log.info("browsers: %s; node %s, control port %d", web_url or "off", node, control_port)
+    log.info("ready: run '%s' to see it; Ctrl-C ends", _monitor(settings, web_url))
+
+
+def _monitor(settings: Settings, web_url: str) -> str:
+    """Return the command that shows the touches: by OSC where it goes to the default place."""
+    heard = parse_destination(EXAMPLE) in destinations(settings)
+    return "halo monitor" if heard or not web_url else f"halo monitor --from {web_url}"

@@ -55,7 +55,7 @@ def test_the_picture_shows_rate_latency_losses_and_touches() -> None:
 
 @pytest.mark.parametrize(
     ("source", "says"),
-    [(2, "VIRTUAL SENSOR"), (1, "RECORDING"), (0, "source camera"), (9, "source 9")],
+    [(2, "VIRTUAL CAMERA"), (1, "RECORDING"), (0, "source camera"), (9, "source 9")],
 )
 def test_the_picture_says_loudly_what_is_behind_it(source: int, says: str) -> None:
     text = picture(frame(), scene=scene(source))
@@ -106,7 +106,7 @@ def test_a_pipe_gets_pictures_without_control_codes(
     repeat(lambda: (service.scene(), service.tap()))
     done = run(f"osc://127.0.0.1:{free_port}", "--seconds", "1.5")
     assert done.returncode == 0, done.stderr
-    assert "VIRTUAL SENSOR" in done.stdout
+    assert "VIRTUAL CAMERA" in done.stdout
     assert "\x1b" not in done.stdout
 
 

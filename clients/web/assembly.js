@@ -53,8 +53,11 @@ export class Assembler {
     const stream = this.streams.get(key);
     if (!stream) return [];
     this.streams.delete(key);
-    for (const pair of [...this.collisions]) {
-      if (JSON.parse(pair).slice(2).includes(stream.session)) this.collisions.delete(pair);
+    for (const pair of this.collisions) {
+      const [node, surface, ...sessions] = JSON.parse(pair);
+      if (JSON.stringify([node, surface]) === stream.place && sessions.includes(stream.session)) {
+        this.collisions.delete(pair);
+      }
     }
     return stream.close();
   }

@@ -112,5 +112,10 @@ class Assembler:
     def _close(self, key: tuple[str, str, str]) -> list[Event]:
         stream = self._streams.pop(key)
         self._dropped_before += stream.dropped
-        self._collisions = {pair for pair in self._collisions if stream.session not in pair[2:]}
+        node, surface, session = key
+        self._collisions = {
+            pair
+            for pair in self._collisions
+            if pair[:2] != (node, surface) or session not in pair[2:]
+        }
         return list(stream.close())

@@ -209,6 +209,18 @@ ASSEMBLIES = [
         ],
     ),
     AssemblyCase(
+        "one-collision-while-another-service-is-lost",
+        "A lost service with the same session name does not repeat the collision.",
+        [
+            Step(0.0, _frame(1)[0]),
+            Step(0.1, _frame(1, node="wall")[0]),
+            Step(0.3, _frame(1, session="s2")[0]),
+            Step(1.0, _frame(2)[0]),
+            Step(3.0, _frame(2, session="s2")[0]),
+            Step(3.2, _frame(3)[0]),
+        ],
+    ),
+    AssemblyCase(
         "two-services",
         "Neither deletes the other's pointers.",
         _steps(

@@ -191,8 +191,7 @@ class Receiver:
     def _read(self, datagram: bytes, sender: str, now_s: float) -> list[Event]:
         try:
             events = self._assembler.receive_data(datagram, now_s)
-            if not events:
-                self._count_other_major(datagram)
+            self._count_other_major(datagram)
             return events
         except ProtocolError as error:
             self.losses.bad += 1

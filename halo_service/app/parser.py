@@ -14,6 +14,7 @@ import halo_protocol as wire
 from halo_service.app.commands import (
     bench,
     calibrate,
+    conformance,
     demo,
     doctor,
     evaluate,
@@ -57,6 +58,7 @@ COMMANDS: dict[str, Command] = {
     "simulate": simulate,
     "evaluate": evaluate,
     "bench": bench,
+    "conformance": conformance,
 }
 """In the order of the help text: what most users need first."""
 

@@ -93,8 +93,8 @@ class Svg:
 
 
 STAGES = (
-    ("segment", "surface, hand, halo"),
     ("associate", "detections to tracks"),
+    ("segment", "surface, hand, halo"),
     ("measure", "halo at each fingertip"),
     ("correct", "for place and angle"),
     ("contacts", "touch, hover, pressure"),
@@ -124,23 +124,26 @@ def pipeline(path: Path) -> None:
     )
     svg.arrow((105, 242), (250, 371), THREAD)
     svg.text((90, 320), "newest Frame", THREAD, 12)
-    svg.arrow((482, 340), (482, 234), THREAD)
-    svg.line((440, 371), (482, 371), THREAD)
-    svg.line((482, 371), (482, 340), THREAD)
-    svg.text((490, 320), "21 landmarks per hand, one frame or more old", THREAD, 12, "start")
+    svg.arrow((322, 340), (322, 234), THREAD)
+    svg.text((332, 320), "21 landmarks per hand, one frame or more old", THREAD, 12, "start")
 
+    svg.line((105, 180), (105, 61))
+    svg.arrow((105, 61), (250, 61))
+    svg.text((178, 53), "Frames", size=12)
     svg.box(250, 30, ("calibration", "guided steps, once", "calibration/"), LIGHT, 190)
     svg.box(520, 30, ("profile", "background, plane, states", "profile/"), LIGHT, 190)
     svg.arrow((440, 61), (520, 61))
     svg.arrow((615, 92), (615, 130))
 
-    svg.box(810, 340, ("outputs", "one binary form: OSC bundle", "outputs/, protocol/"), LIGHT, 190)
+    svg.box(
+        810, 340, ("outputs", "OSC bundles, TUIO, JSON", "outputs/, web/, protocol/"), LIGHT, 190
+    )
     svg.arrow((962, 234), (962, 340))
     svg.text((952, 320), "TouchFrame", size=12, anchor="end")
     svg.box(550, 430, ("clients", "clients/"), LIGHT, 190)
     svg.line((905, 402), (905, 461))
     svg.arrow((905, 461), (740, 461))
-    svg.text((825, 452), "OSC, Zenoh", size=12)
+    svg.text((825, 452), "UDP, Zenoh, WebSocket", size=12)
     svg.text((30, 488), "Orange: runs in parallel; no frame waits for it.", THREAD, 12, "start")
     svg.write(path)
 
@@ -148,7 +151,7 @@ def pipeline(path: Path) -> None:
 def seen(place: Place) -> Point:
     """Where a place over the table is in the drawing, px; mm as in the surface frame."""
     x, y, z = place
-    return 230 + 1.15 * x - 0.55 * y, 455 + 0.5 * y + 0.85 * z
+    return 300 + x - 0.55 * y, 420 + 0.6 * y + 0.85 * z
 
 
 def axes(
@@ -162,7 +165,8 @@ def axes(
         beyond = tuple(o + (length + 14) * w for o, w in zip(origin, way, strict=True))
         svg.arrow(seen(origin), seen((end[0], end[1], end[2])), colour)
         at = seen((beyond[0], beyond[1], beyond[2]))
-        svg.text((at[0], at[1] + 5), name, colour, weight="bold")
+        right, below = {"x": (0, -3), "y": (-8, 3)}.get(name, (0, 5))  # next to the edges
+        svg.text((at[0] + right, at[1] + below), name, colour, weight="bold")
 
 
 def flat(svg: Svg, corner: Place, size: Point, turn_deg: float, fill: str) -> None:
@@ -206,44 +210,42 @@ MATRICES = (
 
 def frames(path: Path) -> None:
     """Camera, surface, projector and anchor: axes, units, and the matrices between them."""
-    svg = Svg(1230, 600)
-    flat(svg, (-60, -60, 0), (470, 320), 0, "#f3ede3")
+    svg = Svg(1290, 600)
+    camera, picture, anchor = (150.0, 100.0, -420.0), (-80.0, -60.0, 0.0), (390.0, 102.0, 0.0)
+    flat(svg, (-130, -90, 0), (580, 380), 0, "#f3ede3")
+    flat(svg, picture, (425, 305), 0, "#fff6cc")
     flat(svg, (0, 0, 0), (300, 200), 0, "#ffffff")
-    flat(svg, (345, 70, 0), (55, 55), 20, "#d5d9e0")
-    camera, picture, anchor = (150.0, 100.0, -420.0), (250.0, -60.0, -330.0), (362.0, 105.0, 0.0)
-    flat(svg, picture, (130, 80), 0, "#fff6cc")
-    for corner in ((0.0, 0.0), (300.0, 0.0), (300.0, 200.0), (0.0, 200.0)):
-        svg.line(seen(camera), seen((*corner, 0.0)), "#c9ced6", "4 5")
+    flat(svg, (375, 70, 0), (50, 50), 20, "#d5d9e0")
+    for corner in ((300.0, 0.0, 0.0), (0.0, 200.0, 0.0)):
+        svg.line(seen(camera), seen(corner), "#c9ced6", "4 5")
+    for end, words, at in (
+        (camera, "camera_from_surface", (424, 290)),
+        (picture, "projector_from_surface", (190, 356)),
+        (anchor, "anchor_from_surface", (467, 484)),
+    ):
+        svg.arrow(seen((0, 0, 0)), seen(end), GREY, "6 4")
+        svg.text(at, words, size=13)
     axes(svg, (0, 0, 0), 0, ("x", "y", "z"))
     axes(svg, camera, 0, ("x", "y", "z"))
-    axes(svg, picture, 0, ("x", "y"), 55)
-    axes(svg, anchor, 20, ("x", "y", "z"), 45)
-    for place, words, right, below in (
-        ((0, 0, 0), "surface", -50, -8),
-        (camera, "camera", 0, -16),
-        (picture, "projector's picture", 70, -12),
-        (anchor, "anchor", 30, -32),
+    axes(svg, picture, 0, ("x", "y"), 75)
+    axes(svg, anchor, 20, ("x", "y", "z"), 38)
+    for at, words in (
+        ((345, 522), "surface"),
+        ((395, 107), "camera"),
+        ((327, 559), "projector's picture"),
+        ((648, 450), "anchor"),
     ):
-        x, y = seen(place)
-        svg.text((x + right, y + below), words, weight="bold", size=15)
-    svg.text(seen((165, 245, 0)), "user", GREY, weight="bold")
-    for end, words, right, below in (
-        (camera, "camera_from_surface", -70, 0),
-        (picture, "projector_from_surface", 70, -10),
-        (anchor, "anchor_from_surface", 0, -14),
-    ):
-        (x, y), (end_x, end_y) = seen((0, 0, 0)), seen(end)
-        svg.arrow((x, y), (end_x, end_y), GREY, "6 4")
-        svg.text(((x + end_x) / 2 + right, (y + end_y) / 2 + below), words, size=13)
+        svg.text(at, words, weight="bold", size=15)
+    svg.text((290, 586), "user", GREY, weight="bold")
     y = 60.0
     for name, lines in FRAMES.items():
-        svg.text((780, y), name, size=16, anchor="start", weight="bold")
+        svg.text((840, y), name, size=16, anchor="start", weight="bold")
         for words in lines:
             y += 19
-            svg.text((780, y), words, size=13, anchor="start")
+            svg.text((840, y), words, size=13, anchor="start")
         y += 34
     for words in MATRICES:
-        svg.text((780, y), words, size=13, anchor="start")
+        svg.text((840, y), words, size=13, anchor="start")
         y += 22
     svg.write(path)
 

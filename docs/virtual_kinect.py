@@ -1,4 +1,4 @@
-"""Draw the pictures of virtual-kinect.md and measure its table.
+"""Draw the pictures of virtual-kinect-facts.md and measure its tables.
 
     uv run python docs/virtual_kinect.py
 
@@ -38,7 +38,7 @@ from halo_service.virtual.sensor_model import SENSORS
 from halo_service.virtual.skeleton import FingerPose, posed
 from halo_service.virtual.statements import ASIDE_DEG, Finding, bench, check, regions
 
-PAGE = Path(__file__).parent / "virtual-kinect.md"
+PAGE = Path(__file__).parent / "virtual-kinect-facts.md"
 FOLDER = Path(__file__).parent / "pictures" / "virtual-kinect"
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from docs import drawings, latency, reference
+from halo_service.evaluation.study.plan import REPORTED, TUNED
+from halo_service.virtual.sim_url import OPTIONS
 
 REPOSITORY = Path(__file__).parents[2]
 FOLDER = REPOSITORY / "docs"
@@ -97,3 +99,24 @@ def _is_path(word: str) -> bool:
         return False
     top, slash, _ = word.partition("/")
     return bool(slash) and (word.endswith(("/", ".py")) or (REPOSITORY / top).is_dir())
+
+
+@pytest.mark.parametrize(("name", "seeds"), [("tuning", TUNED), ("reported", REPORTED)])
+def test_the_page_of_the_evaluation_names_the_users_of_the_plan(
+    name: str, seeds: tuple[int, ...]
+) -> None:
+    page = (FOLDER / "evaluation.md").read_text(encoding="utf-8")
+    (cell,) = re.findall(rf"^\| {name} \| ([\d, to]+) \|", page, re.MULTILINE)
+    ranges = (part.split(" to ") for part in cell.split(", "))
+    assert [seed for r in ranges for seed in range(int(r[0]), int(r[-1]) + 1)] == sorted(seeds)
+
+
+def test_the_guide_lists_every_option_of_the_virtual_camera() -> None:
+    page = (FOLDER / "virtual-kinect.md").read_text(encoding="utf-8")
+    table = page.partition("| option | values |")[2].partition("\n\n")[0]
+    listed = [
+        option
+        for row in table.splitlines()[2:]
+        for option in re.findall(r"`(\w+)`", row.split(" | ")[0])
+    ]
+    assert sorted(listed) == sorted(["seed", *OPTIONS])

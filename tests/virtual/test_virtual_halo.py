@@ -68,7 +68,7 @@ def test_a_resting_palm_dents_the_table_too():
 
 @pytest.fixture(scope="module")
 def _kind_reference():
-    """The curves were scaled on the kind sensor: docs/virtual-kinect.md has the true one."""
+    """The curves were scaled on the kind sensor: docs/virtual-kinect-facts.md has the true one."""
     before = statements.REFERENCE
     statements.REFERENCE = Room(seed=1, **KIND_ROOM)
     yield

@@ -115,6 +115,8 @@ class Fingertip:
     """0 to 1: the tracker's, reduced by what the present frame shows."""
     width_mm: float = math.nan
     """Of the fingertip, between its two sides; nan where they are not clear."""
+    px_per_mm: float = 1.0
+    """How large a millimetre is in the image, at the finger's own depth."""
 
 
 @dataclass(frozen=True, slots=True)

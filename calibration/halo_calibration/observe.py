@@ -14,6 +14,7 @@ from halo_service.sensing.detections import detections
 from halo_service.sensing.extraction import extract
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
+from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Frame, Side, Tracked
@@ -71,7 +72,7 @@ class Observer:
         segmentation = segment(excess, self._settings, profile.halo_threshold_mm)
         seen = [
             each
-            for each in detections(self._look(frame))
+            for each in detections(self._look(frame), Scale(frame.depth, profile))
             if self._side in (Side.UNKNOWN, each.side)
         ]
         if not seen:

@@ -16,6 +16,9 @@ from halo_service.geometry.matrix import Matrix4
 
 Points = NDArray[np.float64]
 
+UNDISTORTED_PX = 1.0
+"""A ray is right if it projects to within this of its pixel."""
+
 
 @dataclass(frozen=True, slots=True)
 class Lens:
@@ -62,7 +65,11 @@ class Lens:
             np.eye(3),
             until,
         )
-        return np.column_stack([flat.reshape(-1, 2), np.ones(len(px))])
+        rays = np.column_stack([flat.reshape(-1, 2), np.ones(len(px))])
+        # Beyond the lens's image circle the iteration ends anywhere: neighbours would be far apart.
+        wrong = ~(np.abs(self.project(rays) - px).max(axis=1) < UNDISTORTED_PX)  # nan is wrong too
+        rays[wrong, :2] = (px[wrong] - (self.cx, self.cy)) / (self.fx, self.fy)
+        return rays
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,21 +11,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 
-from halo_service.sensing.detections import Detection, Pixel
-from halo_service.sensing.finger_frame import unit
-from halo_service.sensing.label_pixels import FINGER_PX
-from halo_service.sensing.tracks import BESIDE_PX, Track, was_at
+from halo_service.sensing.detections import Detection
+from halo_service.sensing.finger_frame import Pixel, unit
+from halo_service.sensing.label_pixels import FINGER_MM
+from halo_service.sensing.tracks import BESIDE_MM, Track, was_at
 from halo_service.values import Side
 
 SLOTS = 10
 """Two hands' fingers."""
-SAME_FINGER_PX, OTHER_SIDE_PX = 80.0, 30.0
-"""A detection farther than this from a track's tip is another finger (8 cm at 0.5 m); less if it
+SAME_FINGER_MM, OTHER_SIDE_MM = 80.0, 30.0
+"""A detection farther than this from a track's tip is another finger (8 cm); less if it
 has the other side, because sides flip in place."""
-ON_FINGER_PX = 10.0
+ON_FINGER_MM = 10.0
 """A new tip this near to a finger's line is that finger again (chosen: half a finger)."""
-STRAYED_PX = 30.0
-"""The tracker's tips are 4 px off at the median and 28 at worst: within that the depth image
+STRAYED_MM = 30.0
+"""The tracker's tips are 4 mm off at the median and 28 at worst: within that the depth image
 decides (measured on virtual hands at 0.5 m)."""
 TURN_SHARE = 0.3
 """Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
@@ -65,7 +65,8 @@ def associate(
 
 def _started(id: int, slot: int, detection: Detection) -> Track:  # noqa: A002 - the wire's name
     direction = unit(detection.distal_px, detection.tip_px)
-    return Track(id, slot, detection, direction, _vote(detection.side), detection.time_us)
+    votes = _vote(detection.side)
+    return Track(id, slot, detection, direction, detection.px_per_mm, votes, detection.time_us)
 
 
 def _corrected_by(finger: Track, detection: Detection) -> Track:
@@ -74,9 +75,9 @@ def _corrected_by(finger: Track, detection: Detection) -> Track:
         return finger
     votes = min(max(finger.votes + _vote(detection.side), -MOST_VOTES), MOST_VOTES)
     direction, contradicted = finger.direction, finger.contradicted + 1
-    off_px = _distance(finger, detection)
-    off_path = finger.off_path + 1 if off_px > BESIDE_PX else 0
-    if off_px <= STRAYED_PX:
+    off_mm = _distance(finger, detection)
+    off_path = finger.off_path + 1 if off_mm > BESIDE_MM else 0
+    if off_mm <= STRAYED_MM:
         new = unit(detection.distal_px, detection.tip_px)
         dx, dy = TURN_SHARE * (new[0] - direction[0]), TURN_SHARE * (new[1] - direction[1])
         direction, contradicted = unit((0.0, 0.0), (direction[0] + dx, direction[1] + dy)), 0
@@ -95,7 +96,7 @@ def _vote(side: Side) -> int:
 
 
 def _reach(finger: Track, detection: Detection) -> float:
-    return SAME_FINGER_PX if detection.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_PX
+    return SAME_FINGER_MM if detection.side in (finger.side, Side.UNKNOWN) else OTHER_SIDE_MM
 
 
 def _is_replaced(finger: Track, others: Sequence[Detection], detected: bool) -> bool:
@@ -129,11 +130,13 @@ def _is_on(finger: Track, place: Pixel) -> bool:
     """Return whether a tip is on a finger that has a track."""
     tip = finger.path[-1].tip_px if finger.path else finger.detection.tip_px
     ux, uy = finger.direction
-    dx, dy = tip[0] - place[0], tip[1] - place[1]
-    back = min(max(dx * ux + dy * uy, 0.0), FINGER_PX)
-    return math.dist((dx, dy), (back * ux, back * uy)) < ON_FINGER_PX
+    size = finger.px_per_mm
+    dx, dy = (tip[0] - place[0]) / size, (tip[1] - place[1]) / size
+    back = min(max(dx * ux + dy * uy, 0.0), FINGER_MM)
+    return math.dist((dx, dy), (back * ux, back * uy)) < ON_FINGER_MM
 
 
 def _distance(finger: Track, detection: Detection) -> float:
+    """Return how far a detection is from where the finger was at its time, mm."""
     tip = was_at(finger.path, detection.time_us).tip_px if finger.path else finger.detection.tip_px
-    return math.dist(tip, detection.tip_px)
+    return math.dist(tip, detection.tip_px) / finger.px_per_mm

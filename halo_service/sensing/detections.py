@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.sensing.finger_frame import Pixel
+from halo_service.sensing.scale import Scale
 from halo_service.values import Finger, Hand, Side, Tracked
 
-Pixel = tuple[float, float]
 Fingers = Literal["index", "all"]
 
 WRIST = 0
@@ -20,10 +21,10 @@ FINGER_MARKS = 4
 """MediaPipe's landmarks: the wrist, then four a finger, from the thumb's root to the little tip."""
 PALM = (0, 5, 9, 13, 17)
 """Wrist and knuckles."""
-SAME_PALM_PX = 30.0
+SAME_PALM_MM = 30.0
 """Two palms nearer to each other than this are one hand, seen twice (chosen: half a palm)."""
-LEAST_SPREAD_PX = 25.0
-"""A smaller spread of landmarks is not a hand (chosen: a fist at 0.8 m spans twice that)."""
+LEAST_SPREAD_MM = 25.0
+"""A smaller spread of landmarks is not a hand (chosen: a fist spans three times that)."""
 FARTHEST_PX = 1e5
 """A landmark farther from the image's origin is invalid (chosen: wider than any image)."""
 
@@ -40,45 +41,60 @@ class Detection:
     """The joint next to the tip, moved to the line to the finger's root: a finger bends in one
     plane, and two landmarks 20 px apart give a poor direction."""
     confidence: float
+    px_per_mm: float
+    """At the depth that the present frame shows there."""
 
 
-def detections(tracked: Tracked | None, wanted: Fingers = "index") -> tuple[Detection, ...]:
+def detections(
+    tracked: Tracked | None, scale: Scale, wanted: Fingers = "index"
+) -> tuple[Detection, ...]:
     """Return the extended fingers of the tracked hands, the most confident hand first."""
     if tracked is None:
         return ()
     fingers = tuple(Finger) if wanted == "all" else (Finger.INDEX,)
     return tuple(
-        _detection(tracked.time_us, hand, finger)
-        for hand in each_once(tracked.hands)
+        _detection(tracked.time_us, hand, finger, scale)
+        for hand in each_once(tracked.hands, scale)
         for finger in fingers
         if _extended(hand, finger)
     )
 
 
-def each_once(hands: tuple[Hand, ...]) -> tuple[Hand, ...]:
+def each_once(hands: tuple[Hand, ...], scale: Scale) -> tuple[Hand, ...]:
     """Remove what is not a hand, and a hand's second detection; the most confident hand first."""
     kept: list[Hand] = []
     for hand in sorted(hands, key=lambda hand: -hand.confidence):
-        if not _is_hand(hand):
+        if not _is_hand(hand, scale):
             continue
-        if all(math.dist(_palm(hand), _palm(other)) >= SAME_PALM_PX for other in kept):
+        palm = _palm(hand)
+        apart_px = SAME_PALM_MM * scale.px_per_mm(palm)
+        if all(math.dist(palm, _palm(other)) >= apart_px for other in kept):
             kept.append(hand)
     return tuple(kept)
 
 
-def _is_hand(hand: Hand) -> bool:
+def _is_hand(hand: Hand, scale: Scale) -> bool:
     """Return whether landmarks are valid places (never nan) and span a hand."""
     marks = hand.landmarks_px
-    near = bool((np.abs(marks) < FARTHEST_PX).all())  # false for nan
-    return near and float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_PX
+    if not (np.abs(marks) < FARTHEST_PX).all():  # true for nan
+        return False
+    return float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_MM * scale.px_per_mm(_palm(hand))
 
 
-def _detection(time_us: int, hand: Hand, finger: Finger) -> Detection:
+def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detection:
     tip = THUMB_TIP + FINGER_MARKS * int(finger)
     end, distal, root = (hand.landmarks_px[tip - joint] for joint in (0, 1, 3))
     line = (end - root) / max(float(np.linalg.norm(end - root)), 1.0)
     joint = end - line * float(np.linalg.norm(end - distal))
-    return Detection(time_us, hand.side, finger, _pixel(end), _pixel(joint), hand.confidence)
+    return Detection(
+        time_us,
+        hand.side,
+        finger,
+        _pixel(end),
+        _pixel(joint),
+        hand.confidence,
+        scale.px_per_mm(_pixel(joint)),
+    )
 
 
 def _extended(hand: Hand, finger: Finger) -> bool:

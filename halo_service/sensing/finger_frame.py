@@ -1,4 +1,4 @@
-"""Part of an image, read in a finger's own rows and columns: along it, and across."""
+"""Part of an image, read in a finger's own rows and columns: along it, and across, in mm."""
 
 from __future__ import annotations
 
@@ -9,13 +9,40 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.sensing.detections import Pixel
-
+Pixel = tuple[float, float]
 Floats = NDArray[np.float32]
 
 
+class FingerFrame(NamedTuple):
+    """Where a fingertip is in the image, where it points, and how large a millimetre is there."""
+
+    tip_px: Pixel
+    direction: Pixel
+    """Unit vector from joint to tip."""
+    px_per_mm: float
+    """At the finger's own depth."""
+
+    def moved(self, along_mm: float, across_mm: float = 0.0) -> FingerFrame:
+        """Return the frame of a tip so far along this finger and across it."""
+        along, across = along_mm * self.px_per_mm, across_mm * self.px_per_mm
+        (x, y), (dx, dy) = self.tip_px, self.direction
+        return self._replace(
+            tip_px=(x + along * dx - across * dy, y + along * dy + across * dx),
+        )
+
+    def away_mm(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Return how far pixels are along this finger from its tip, and across it, mm."""
+        size = np.float32(self.px_per_mm)
+        right, down = (
+            (x - np.float32(self.tip_px[0])) / size,
+            (y - np.float32(self.tip_px[1])) / size,
+        )
+        ux, uy = np.float32(self.direction[0]), np.float32(self.direction[1])
+        return right * ux + down * uy, down * ux - right * uy
+
+
 class Grid(NamedTuple):
-    """Where is read, (rows, columns), px from the tip."""
+    """Where is read, (rows, columns), mm from the tip."""
 
     along: Floats
     """Positive beyond the tip."""
@@ -29,15 +56,15 @@ def grid(along: NDArray[np.int_], across: NDArray[np.int_]) -> Grid:
     return Grid(rows.astype(np.float32), columns.astype(np.float32))
 
 
-def blended(image: Floats, tip: Pixel, direction: Pixel, at: Grid) -> Floats:
-    """Read between the pixels, 0 outside. `image`: (h, w) or (h, w, layers); `tip` in it."""
-    x, y = _places(tip, direction, at)
+def blended(image: Floats, place: FingerFrame, at: Grid) -> Floats:
+    """Read between the pixels, 0 outside. `image`: (h, w) or (h, w, layers); `place` in it."""
+    x, y = _pixels(place, at)
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_LINEAR))
 
 
-def nearest(image: Floats, tip: Pixel, direction: Pixel, at: Grid, outside: float) -> Floats:
+def nearest(image: Floats, place: FingerFrame, at: Grid, outside: float) -> Floats:
     """Read the nearest pixels, and a value outside."""
-    x, y = _places(tip, direction, at)
+    x, y = _pixels(place, at)
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_NEAREST, borderValue=(outside,)))
 
 
@@ -48,16 +75,9 @@ def unit(start: Pixel, end: Pixel) -> Pixel:
     return (dx / length, dy / length) if length > 0.0 else (0.0, -1.0)
 
 
-def moved(point: Pixel, direction: Pixel, along: float, across: float) -> Pixel:
-    """Return a point so far along a finger and across it."""
-    return (
-        point[0] + along * direction[0] - across * direction[1],
-        point[1] + along * direction[1] + across * direction[0],
-    )
-
-
-def _places(tip: Pixel, direction: Pixel, at: Grid) -> tuple[Floats, Floats]:
-    ux, uy = np.float32(direction[0]), np.float32(direction[1])
-    x = at.along * ux - at.across * uy + np.float32(tip[0])
-    y = at.along * uy + at.across * ux + np.float32(tip[1])
+def _pixels(place: FingerFrame, at: Grid) -> tuple[Floats, Floats]:
+    (left, top), size = place.tip_px, place.px_per_mm
+    ux, uy = np.float32(size * place.direction[0]), np.float32(size * place.direction[1])
+    x = at.along * ux - at.across * uy + np.float32(left)
+    y = at.along * uy + at.across * ux + np.float32(top)
     return x, y

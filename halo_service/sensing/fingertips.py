@@ -15,7 +15,7 @@ from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Profile
 from halo_service.sensing.detections import Detection
-from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.finger_frame import FingerFrame, unit
 from halo_service.sensing.outline import Outline, outline
 from halo_service.sensing.ridge import angles, height_behind
 from halo_service.sensing.segmentation import Segmentation
@@ -49,19 +49,20 @@ def locate(
     `thickness_mm`, `radius_mm`: of the fingertip, from pad to nail and from side to middle.
     """
     camera, surface = profile.camera, profile.surface
-    guess, towards = detection.tip_px, unit(detection.distal_px, detection.tip_px)
-    px_per_mm = camera.depth.fx / max(float(surface.camera_from_surface[2, 3]), 1.0)
-    seen = outline(segmentation, depth, guess, towards, radius_mm * px_per_mm)
-    end = seen or Outline(guess, towards, math.nan, False)
-    tip, direction = end.tip_px, end.direction
+    guess = FingerFrame(
+        detection.tip_px, unit(detection.distal_px, detection.tip_px), detection.px_per_mm
+    )
+    seen = outline(segmentation, depth, guess, radius_mm)
+    end = seen or Outline(guess, math.nan, False)
+    tip, direction, px_per_mm = end.place
     back_px = math.dist(detection.distal_px, detection.tip_px)
-    distal = (tip[0] - back_px * direction[0], tip[1] - back_px * direction[1])
+    distal = end.place.moved(-back_px / px_per_mm).tip_px
 
-    top_mm = height_behind(segmentation, tip, direction, radius_mm * px_per_mm)
+    top_mm = height_behind(segmentation, end.place, radius_mm)
     height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     rays = camera.depth.rays(np.array([tip, distal]))
     pad = _pad(rays, surface, height + radius_mm, radius_mm)
-    read = angles(depth, segmentation, tip, direction, camera, surface)
+    read = angles(depth, segmentation, end.place, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
     confidence = detection.confidence
@@ -80,7 +81,8 @@ def locate(
         pitch,
         yaw,
         confidence,
-        end.width_px / px_per_mm,
+        end.width_mm,
+        px_per_mm,
     )
 
 

@@ -14,29 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.sensing.background import Part
-from halo_service.sensing.detections import Pixel
+from halo_service.sensing.finger_frame import FingerFrame, grid, nearest
 from halo_service.sensing.segmentation import Segmentation
 
-REACH_PX = 52
+REACH_MM = 52.0
 """Half the window around a tip: a flat finger's last two segments (`ridge`)."""
-FINGER_PX = 34.0
-"""Length of a finger's line back from its tip, for the labels (chosen: 3.4 cm)."""
+FINGER_MM = 34.0
+"""Length of a finger's line back from its tip, for the labels (chosen)."""
 RISE_MM = 20.0
 """A fingertip's upper side rises by less in a frame (chosen: people lift at 0.4 m/s)."""
-TIP_PX = 8.0
+TIP_MM = 8.0
 """The height is checked only so far behind the tip: farther back a finger is high itself."""
 NO_FINGER = 255
 FAR = np.float32(1e9)
-STRIP_PX = 6.0
+STRIP_MM = 6.0
 """Half the breadth of the strip for the search of a finger's end."""
-LEAST_PX = 20
-"""Fewer pixels are noise."""
-BACK_PX = np.arange(8.0, 22.0, 3.0)
-ACROSS_PX = np.arange(-14.0, 15.0)
+LEAST_MM2 = 20.0
+"""Less hand in it is noise."""
+BEHIND = grid(-np.arange(8, 22, 3), np.arange(-14, 15))
 """Where a finger's breadth is measured: behind the tip, because a strong halo hides its end, and
 wider than it is."""
-BREADTH_PX = (4.0, 24.0)
-"""Of a finger at 0.5 m: 12 to 18 mm, blurred; a fist's end is broader (chosen with a margin)."""
+BREADTH_MM = (4.0, 24.0)
+"""Of a finger: 12 to 18 mm, blurred; a fist's end is broader (chosen with a margin)."""
 
 FingerNumbers = NDArray[np.uint8]
 
@@ -45,9 +44,7 @@ FingerNumbers = NDArray[np.uint8]
 class Prediction:
     """A track's predicted place in the present frame."""
 
-    tip_px: Pixel
-    direction: Pixel
-    """Unit vector from joint to tip."""
+    place: FingerFrame
     top_mm: float
     """Height of its upper side when it was last seen; nan where unknown."""
 
@@ -65,7 +62,7 @@ class Labels:
 
 def around(places: Sequence[Prediction], shape: tuple[int, ...]) -> Part:
     """Return the part of an image, (H, W), with the windows of all these places."""
-    boxes = [_box(place.tip_px, shape) for place in places]
+    boxes = [_box(each.place, shape) for each in places]
     return (
         slice(
             min((y.start for y, _ in boxes), default=0), max((y.stop for y, _ in boxes), default=0)
@@ -83,17 +80,16 @@ def label_pixels(fingers: Sequence[Prediction], segmentation: Segmentation) -> L
     if len(fingers) < 2:
         return Labels(halo, hand)
     halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
-    tips = [segmentation.inside(finger.tip_px) for finger in fingers]
-    boxes = [_box(tip, shape) for tip in tips]
-    for number, (finger, tip, box) in enumerate(zip(fingers, tips, boxes, strict=True)):
+    places = [segmentation.within(finger.place) for finger in fingers]
+    boxes = [_box(place, shape) for place in places]
+    for number, (place, box) in enumerate(zip(places, boxes, strict=True)):
         if sum(_meet(box, other) for other in boxes) == 1:  # itself
             halo[box] = hand[box] = number
             continue
-        dx, dy = _from(tip, box)
-        ux, uy = np.float32(finger.direction[0]), np.float32(finger.direction[1])
-        back, aside = -dx * ux - dy * uy, (dy * ux - dx * uy) ** 2
-        for numbers, away, from_px in ((halo, halo_away, 0.0), (hand, hand_away, TIP_PX)):
-            off = back - np.clip(back, np.float32(from_px), np.float32(FINGER_PX))
+        ahead, aside = place.away_mm(*_pixels(box))
+        back, aside = -ahead, aside**2
+        for numbers, away, from_mm in ((halo, halo_away, 0.0), (hand, hand_away, TIP_MM)):
+            off = back - np.clip(back, np.float32(from_mm), np.float32(FINGER_MM))
             own = aside + off * off
             nearer = own < away[box]
             np.copyto(away[box], own, where=nearer)
@@ -105,60 +101,49 @@ def pixels_of(
     segmentation: Segmentation, labels: Labels, number: int, place: Prediction
 ) -> Segmentation:
     """Return the scene around a place, without the pixels of other fingers."""
-    tip = segmentation.inside(place.tip_px)
-    box = _box(tip, segmentation.hand.shape)
+    there = segmentation.within(place.place)
+    box = _box(there, segmentation.hand.shape)
     around = segmentation.cut(box)
     open_to_it = _open(labels.halo[box], number)
     hand = around.hand & _open(labels.hand[box], number)
     if not math.isnan(place.top_mm):
-        dx, dy = _from(tip, box)
-        ahead = dx * np.float32(place.direction[0]) + dy * np.float32(place.direction[1])
+        ahead, _ = there.away_mm(*_pixels(box))
         high = around.excess_mm < -(place.top_mm + RISE_MM)
-        hand &= ~(high & (ahead > -TIP_PX))
+        hand &= ~(high & (ahead > -TIP_MM))
     return replace(around, halo=around.halo & open_to_it, hand=hand, free=around.free & open_to_it)
 
 
-def strip_end(segmentation: Segmentation, place: Prediction) -> Pixel:
+def strip_end(segmentation: Segmentation, place: FingerFrame) -> FingerFrame:
     """Return the end of the strip of hand along a finger's line, the predicted tip without one.
 
     It finds a tip that moved farther along the finger than predicted.
     """
     rows, columns = np.nonzero(segmentation.hand)
-    x, y = segmentation.inside(place.tip_px)
-    dx, dy = columns - x, rows - y
-    ux, uy = place.direction
-    along = (dx * ux + dy * uy)[np.abs(dy * ux - dx * uy) <= STRIP_PX]
-    if along.size < LEAST_PX:
-        return place.tip_px
-    end = float(np.partition(along, -LEAST_PX)[-LEAST_PX])
-    return place.tip_px[0] + end * ux, place.tip_px[1] + end * uy
+    there = segmentation.within(place)
+    along, across = there.away_mm(columns.astype(np.float32), rows.astype(np.float32))
+    along = along[np.abs(across) <= STRIP_MM]
+    least = max(round(LEAST_MM2 * place.px_per_mm**2), 1)
+    if along.size < least:
+        return place
+    return place.moved(float(np.partition(along, -least)[-least]))
 
 
-def is_finger(segmentation: Segmentation, tip_px: Pixel, direction: Pixel) -> bool:
-    """Return whether the shape that ends at a tip is as broad as a finger.
-
-    `direction`: unit vector from joint to tip.
-    """
-    tip, hand, (dx, dy) = segmentation.inside(tip_px), segmentation.hand, direction
-    x = np.rint(tip[0] - BACK_PX[:, None] * dx - ACROSS_PX * dy).astype(np.intp)
-    y = np.rint(tip[1] - BACK_PX[:, None] * dy + ACROSS_PX * dx).astype(np.intp)
-    height, width = hand.shape
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    seen = hand[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] & inside
+def is_finger(segmentation: Segmentation, place: FingerFrame) -> bool:
+    """Return whether the shape that ends at a tip is as broad as a finger."""
+    hand = segmentation.hand.astype(np.float32)
+    seen = nearest(hand, segmentation.within(place), BEHIND, 0.0)
     breadth = float(np.median(np.count_nonzero(seen, axis=1)))
-    return BREADTH_PX[0] <= breadth <= BREADTH_PX[1]
+    return BREADTH_MM[0] <= breadth <= BREADTH_MM[1]
 
 
 def _open(numbers: FingerNumbers, number: int) -> NDArray[np.bool_]:
     return np.asarray((numbers == number) | (numbers == NO_FINGER))
 
 
-def _box(tip: Pixel, shape: tuple[int, ...]) -> Part:
-    column, row = round(tip[0]), round(tip[1])
-    rows = slice(min(max(row - REACH_PX, 0), shape[0]), min(max(row + REACH_PX, 0), shape[0]))
-    columns = slice(
-        min(max(column - REACH_PX, 0), shape[1]), min(max(column + REACH_PX, 0), shape[1])
-    )
+def _box(place: FingerFrame, shape: tuple[int, ...]) -> Part:
+    (column, row), reach = (round(each) for each in place.tip_px), round(REACH_MM * place.px_per_mm)
+    rows = slice(min(max(row - reach, 0), shape[0]), min(max(row + reach, 0), shape[0]))
+    columns = slice(min(max(column - reach, 0), shape[1]), min(max(column + reach, 0), shape[1]))
     return rows, columns
 
 
@@ -166,8 +151,8 @@ def _meet(a: Part, b: Part) -> bool:
     return all(p.start < q.stop and q.start < p.stop for p, q in zip(a, b, strict=True))
 
 
-def _from(tip: Pixel, box: Part) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return x, (1, w), and y, (h, 1), of a box's pixels from a tip, px."""
-    x = np.arange(box[1].start, box[1].stop, dtype=np.float32) - np.float32(tip[0])
-    y = np.arange(box[0].start, box[0].stop, dtype=np.float32) - np.float32(tip[1])
+def _pixels(box: Part) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return x, (1, w), and y, (h, 1), of a box's pixels."""
+    x = np.arange(box[1].start, box[1].stop, dtype=np.float32)
+    y = np.arange(box[0].start, box[0].stop, dtype=np.float32)
     return x[None, :], y[:, None]

@@ -15,21 +15,20 @@ from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import Surface
-from halo_service.sensing.detections import Pixel
-from halo_service.sensing.finger_frame import Grid, grid, nearest
+from halo_service.sensing.finger_frame import FingerFrame, Grid, grid, nearest
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
 
 BACK = np.arange(44)
-"""Rows, px behind the tip: a flat finger's last two segments at 0.5 m."""
+"""Rows, mm behind the tip: a flat finger's last two segments."""
 SIDE = np.arange(-9, 10)
-"""Columns, px from the finger's line: half a finger more than a finger."""
+"""Columns, mm from the finger's line: half a finger more than a finger."""
 CREST_MM = 4.0
 """Pixels within this of a row's nearest one are ridge: a wedge under the finger is not."""
-LEAST_PX = 3
-"""Minimum pixels of a ridge row."""
+LEAST_MM = 3
+"""Minimum width of a ridge row."""
 LEAST_ROWS = 4
 """Minimum rows for a line."""
 SEGMENT_MM = (18.0, 42.0)
@@ -43,7 +42,7 @@ TAPER_DEG = 6.0
 """The upper side is steeper than the axis: a finger is thinner at its end (chosen: what the virtual
 hand shows at 45 degrees)."""
 NAIL = grid(np.arange(-2, 3), np.arange(-2, 3))
-"""Pixels whose mean is the height of the upper side."""
+"""Places, 1 mm apart; their mean is the height of the upper side."""
 FAR = float(np.iinfo(np.uint16).max)
 AT = grid(-BACK, SIDE)
 
@@ -58,16 +57,15 @@ class Angles(NamedTuple):
 def angles(
     depth: Depth,
     segmentation: Segmentation,
-    tip: Pixel,
-    direction: Pixel,
+    place: FingerFrame,
     camera: Camera,
     surface: Surface,
 ) -> Angles | None:
     """Return pitch and yaw, or None where too little of the finger is measured.
 
-    `tip`: the silhouette's end, px; `direction`: unit vector towards it.
+    `place`: the silhouette's end.
     """
-    ridge = _ridge(depth, segmentation, tip, direction)
+    ridge = _ridge(depth, segmentation, place)
     if ridge is None:
         return None
     px, depth_mm = ridge
@@ -84,37 +82,37 @@ def angles(
     return Angles(pitch, math.degrees(math.atan2(across, -forward)))
 
 
-def height_behind(
-    segmentation: Segmentation, tip_px: Pixel, direction: Pixel, back_px: float
-) -> float:
+def height_behind(segmentation: Segmentation, place: FingerFrame, back_mm: float) -> float:
     """Return the height of the upper side so far behind the tip, mm; nan where unmeasured.
 
     Relative to the empty surface in the same pixels, so that constant errors of the camera there
     cancel out.
     """
-    at = Grid(NAIL.along - np.float32(back_px), NAIL.across)
-    read = nearest(segmentation.excess_mm, segmentation.inside(tip_px), direction, at, 0.0)
+    at = Grid(NAIL.along - np.float32(back_mm), NAIL.across)
+    read = nearest(segmentation.excess_mm, segmentation.within(place), at, 0.0)
     count = np.count_nonzero(read)
     return -float(read.sum()) / count if count else math.nan
 
 
 def _ridge(
-    depth: Depth, segmentation: Segmentation, tip: Pixel, direction: Pixel
+    depth: Depth, segmentation: Segmentation, place: FingerFrame
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
-    dx, dy = direction
     around = depth[segmentation.rows, segmentation.columns]
     finger = np.where(np.logical_and(around, segmentation.hand), around, np.float32(FAR))
-    seen = nearest(finger, segmentation.inside(tip), direction, AT, FAR)
+    seen = nearest(finger, segmentation.within(place), AT, FAR)
     crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
     count = np.count_nonzero(crest, axis=1)
-    rows = count >= LEAST_PX
+    rows = count >= LEAST_MM
     if np.count_nonzero(rows) < LEAST_ROWS:
         return None
     crest, count, back = crest[rows], count[rows], BACK[rows]
     side = (crest @ SIDE) / count
     depth_mm = np.where(crest, seen[rows], 0.0).sum(axis=1) / count
-    px = np.column_stack([tip[0] - back * dx - side * dy, tip[1] - back * dy + side * dx])
+    (x, y), (dx, dy), size = place.tip_px, place.direction, place.px_per_mm
+    px = np.column_stack(
+        [x - size * (back * dx + side * dy), y - size * (back * dy - side * dx)],
+    )
     return px, depth_mm
 
 

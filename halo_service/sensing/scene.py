@@ -19,12 +19,13 @@ from halo_service.sensing.label_pixels import (
     strip_end,
 )
 from halo_service.sensing.ridge import height_behind
+from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import Track, claim, detection_at, is_better, is_there, predict
 from halo_service.values import Fingertip, Frame
 
-LEAST_TOP_MM, JOINT_PX = 5.0, 20.0
+LEAST_TOP_MM, JOINT_MM = 5.0, 20.0
 """2 cm behind its end a finger's upper side is higher than this, however hard it presses; what is
 lower is surface."""
 
@@ -59,13 +60,15 @@ class Found:
 def look(
     frame: Frame,
     fingers: Sequence[Track],
-    profile: Profile,
+    scale: Scale,
     settings: SensingSettings,
     drift_mm: float,
 ) -> Scene:
     """Segment what is around the fingers. `drift_mm`: see `excess_depth`."""
-    places = tuple(predict(finger, frame.time_us) for finger in fingers)
-    claims = tuple(claim(finger, frame.time_us) for finger in fingers)
+    profile = scale.profile
+    places = tuple(_scaled(predict(finger, frame.time_us), scale) for finger in fingers)
+    claimed = (claim(finger, frame.time_us) for finger in fingers)
+    claims = tuple(each and _scaled(each, scale) for each in claimed)
     part = around((*places, *(each for each in claims if each)), frame.depth.shape)
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
     rows, columns = part
@@ -87,9 +90,16 @@ def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found
         if seen and is_there(finger, claimed, expected, seen) and is_better(finger, seen, tip):
             return Found(seen, there, followed=False)
     if tip is None:
-        farther = replace(expected, tip_px=strip_end(own, expected))
+        farther = replace(expected, place=strip_end(own, expected.place))
         tip = _tip(finger, farther, own, scene, states)
     return None if tip is None else Found(tip, own, followed=True)
+
+
+def _scaled(prediction: Prediction, scale: Scale) -> Prediction:
+    """Return a prediction with the scale at the depth of its finger's last joint."""
+    place = prediction.place
+    behind = place.moved(-JOINT_MM).tip_px
+    return replace(prediction, place=place._replace(px_per_mm=scale.px_per_mm(behind)))
 
 
 def _tip(
@@ -99,15 +109,16 @@ def _tip(
     if own.hand.size == 0:  # the place is so far outside the image that no pixel is near it
         return None
     tip = locate(
-        detection_at(finger, place),
+        detection_at(finger, place.place),
         own,
         scene.frame.depth,
         scene.profile,
         states.finger_thickness_mm,
         states.tip_radius_mm,
     )
-    behind_mm = height_behind(own, tip.tip_px, place.direction, JOINT_PX)
+    there = place.place._replace(tip_px=tip.tip_px)
+    behind_mm = height_behind(own, there, JOINT_MM)
     lies = behind_mm < LEAST_TOP_MM  # false for nan: unmeasured
     # By its two sides, which show in the deepest dent; else by its breadth above the surface.
-    shows = math.isfinite(tip.width_mm) or is_finger(own, tip.tip_px, place.direction)
+    shows = math.isfinite(tip.width_mm) or is_finger(own, there)
     return tip if shows and not lies else None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.sensing.background import Part
-from halo_service.sensing.detections import Pixel
+from halo_service.sensing.finger_frame import FingerFrame, Pixel
 from halo_service.sensing.settings import SensingSettings
 
 
@@ -41,6 +41,10 @@ class Segmentation:
     def inside(self, image_px: Pixel) -> Pixel:
         """Return an image position in these arrays."""
         return image_px[0] - self.left, image_px[1] - self.top
+
+    def within(self, place: FingerFrame) -> FingerFrame:
+        """Return a finger's frame in these arrays."""
+        return place._replace(tip_px=self.inside(place.tip_px))
 
     def cut(self, part: Part) -> Segmentation:
         """Return a part of this part; `part` in its own rows and columns."""

@@ -20,6 +20,7 @@ from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
 from halo_service.sensing.extraction import extract
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
+from halo_service.sensing.scale import Scale
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.settings import SensingSettings
@@ -61,8 +62,10 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     profile, settings = state.profile, state.settings
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
-    tracks = associate(state.fingers, detections(tracked, settings.fingers), state.next_id)
-    scene = look(frame, tracks, profile, settings, state.drift.offset_mm)
+    scale = Scale(frame.depth, profile)
+    seen = detections(tracked, scale, settings.fingers)
+    tracks = associate(state.fingers, seen, state.next_id)
+    scene = look(frame, tracks, scale, settings, state.drift.offset_mm)
     fingers: list[Track] = []
     events: list[TouchEvent] = []
     for number, before in enumerate(tracks):
@@ -100,7 +103,7 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
         pointer.confidence * tracker_confidence(before, now_us) * edge(pointer, profile.surface)
     )
     return replace(
-        along(before, Past(now_us, tip.tip_px), found.followed),
+        along(before, Past(now_us, tip.tip_px), tip.px_per_mm, found.followed),
         pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s, confidence=confidence),
         detector=detector,
         debounce=bounced,

@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass, replace
 
 from halo_service.sensing.debounce import Debounce
-from halo_service.sensing.detections import Detection, Pixel
+from halo_service.sensing.detections import Detection
 from halo_service.sensing.detector import Detector
-from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.finger_frame import FingerFrame, Pixel, unit
 from halo_service.sensing.label_pixels import Prediction
 from halo_service.sensing.pointers import Motion
 from halo_service.sensing.settings import SensingSettings
@@ -26,11 +26,11 @@ REMEMBERED = 8
 """Past tips per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
 """Greatest age of a detection that gives a finger's place (chosen: a slow tracker's delay)."""
-BESIDE_PX = 12.0
-"""The tracker's tips are rarely farther off; a neighbour's middle is 18 px away (chosen)."""
+BESIDE_MM = 12.0
+"""The tracker's tips are rarely farther off; a neighbour's middle is 18 mm away (chosen)."""
 INSISTS = 4
 """Detections in a row: tracker errors are single, or in runs when hands overlap (chosen)."""
-MOVED_PX = 5.0
+MOVED_MM = 5.0
 """A tip that went this far has moved (chosen: more than its noise, less than a resting hand drifts
 in a second or two)."""
 LEFT_BEHIND_US, HELD_US = 2_000_000, 10_000_000
@@ -62,6 +62,8 @@ class Track:
     """The last one."""
     direction: Pixel
     """Unit vector from joint to tip in the image, smoothed over the detections."""
+    px_per_mm: float
+    """At its depth, as it was last measured."""
     votes: int
     """For a right hand minus those for a left one, over the last detections."""
     shown_us: int
@@ -88,11 +90,11 @@ class Track:
 
 def predict(finger: Track, time_us: int) -> Prediction:
     """Return a finger's predicted place: by its own path, for a new track by its detection."""
-    if not finger.path:
-        return Prediction(finger.detection.tip_px, finger.direction, math.nan)
-    tip = _moved(finger.path[-1].tip_px, _ahead(finger.path, time_us))
-    top_mm = finger.pointer.diagnostics.top_mm if finger.pointer else math.nan
-    return Prediction(tip, finger.direction, top_mm)
+    tip = finger.detection.tip_px
+    if finger.path:
+        tip = _moved(finger.path[-1].tip_px, _ahead(finger.path, time_us))
+    top_mm = finger.pointer.diagnostics.top_mm if finger.path and finger.pointer else math.nan
+    return Prediction(FingerFrame(tip, finger.direction, finger.px_per_mm), top_mm)
 
 
 def claim(finger: Track, time_us: int) -> Prediction | None:
@@ -100,7 +102,7 @@ def claim(finger: Track, time_us: int) -> Prediction | None:
     if not finger.path or time_us - finger.detection.time_us > CLAIM_US:
         return None
     tip, joint = finger.detection.tip_px, finger.detection.distal_px
-    return Prediction(tip, unit(joint, tip), math.nan)
+    return Prediction(FingerFrame(tip, unit(joint, tip), finger.detection.px_per_mm), math.nan)
 
 
 def is_there(finger: Track, claimed: Prediction, expected: Prediction, seen: Fingertip) -> bool:
@@ -108,9 +110,14 @@ def is_there(finger: Track, claimed: Prediction, expected: Prediction, seen: Fin
 
     A tip farther from that place is a knuckle or another finger.
     """
-    then = was_at(finger.path, finger.detection.time_us) if finger.path else expected
-    went_px = math.dist(expected.tip_px, then.tip_px)
-    return math.dist(seen.tip_px, claimed.tip_px) < BESIDE_PX + went_px
+    then = (
+        was_at(finger.path, finger.detection.time_us)
+        if finger.path
+        else Past(0, expected.place.tip_px)
+    )
+    went_px = math.dist(expected.place.tip_px, then.tip_px)
+    beside_px = BESIDE_MM * finger.px_per_mm
+    return math.dist(seen.tip_px, claimed.place.tip_px) < beside_px + went_px
 
 
 def was_at(path: tuple[Past, ...], time_us: int) -> Past:
@@ -130,26 +137,26 @@ def is_better(finger: Track, claimed: Fingertip, followed: Fingertip | None) -> 
     return claimed.top_mm < followed.top_mm - lower_mm
 
 
-def detection_at(finger: Track, expected: Prediction) -> Detection:
+def detection_at(finger: Track, place: FingerFrame) -> Detection:
     """Return a finger's last detection, moved to its predicted place."""
     tip, joint = finger.detection.tip_px, finger.detection.distal_px
-    back, (dx, dy) = math.dist(tip, joint), expected.direction
-    place = expected.tip_px
+    back_mm = math.dist(tip, joint) / finger.detection.px_per_mm
     return replace(
         finger.detection,
         side=finger.side,
-        tip_px=place,
-        distal_px=(place[0] - back * dx, place[1] - back * dy),
+        tip_px=place.tip_px,
+        distal_px=place.moved(-back_mm).tip_px,
+        px_per_mm=place.px_per_mm,
     )
 
 
-def along(finger: Track, now: Past, followed: bool) -> Track:
+def along(finger: Track, now: Past, px_per_mm: float, followed: bool) -> Track:
     """Return a finger with its tip in the present frame; `followed`: found along its path."""
     moved = finger.moved
-    if moved is None or math.dist(moved.tip_px, now.tip_px) > MOVED_PX:
+    if moved is None or math.dist(moved.tip_px, now.tip_px) > MOVED_MM * px_per_mm:
         moved = now
     path = (*(finger.path if followed else ()), now)[-REMEMBERED:]
-    return replace(finger, path=path, moved=moved, shown_us=now.time_us)
+    return replace(finger, path=path, moved=moved, px_per_mm=px_per_mm, shown_us=now.time_us)
 
 
 def is_abandoned(finger: Track, time_us: int) -> bool:

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from halo_service.sensing.detections import detections
+from halo_service.sensing.scale import Scale
 from halo_service.values import Finger, Hand, Side, Tracked
+from tests.drawn import PLAIN
 
+SCALE = Scale(np.full((576, 640), 500, np.uint16), PLAIN.profile)
+"""1 px is 1 mm."""
 ROOTS = {Finger.THUMB: -50.0, Finger.INDEX: -20.0, Finger.MIDDLE: 0.0}
 ROOTS |= {Finger.RING: 20.0, Finger.LITTLE: 40.0}
 
@@ -30,7 +34,7 @@ def hand(
 
 
 def seen(*hands: Hand, wanted: str = "all") -> list[tuple[Side, Finger]]:
-    found = detections(Tracked(0, hands), wanted)  # type: ignore[arg-type]
+    found = detections(Tracked(0, hands), SCALE, wanted)  # type: ignore[arg-type]
     return [(each.side, each.finger) for each in found]
 
 
@@ -61,9 +65,9 @@ def test_landmarks_that_have_collapsed_are_no_hand() -> None:
 def test_the_joint_lies_on_the_line_to_the_fingers_root(joint: int) -> None:
     marks = hand(Finger.INDEX).landmarks_px.copy()
     marks[joint, 0] += 9.0  # badly seen
-    detection = detections(Tracked(0, (Hand(Side.RIGHT, marks, 0.9),)))[0]
+    detection = detections(Tracked(0, (Hand(Side.RIGHT, marks, 0.9),)), SCALE)[0]
     assert detection.distal_px[0] == pytest.approx(detection.tip_px[0])
 
 
 def test_without_tracked_hands_there_is_no_finger() -> None:
-    assert detections(None) == ()
+    assert detections(None, SCALE) == ()

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.label_pixels import (
     Prediction,
     is_finger,
@@ -22,7 +23,7 @@ SHAPE = (576, 640)
 
 
 def expected(x: float, y: float, top_mm: float = math.nan) -> Prediction:
-    return Prediction((x, y), UP, top_mm)
+    return Prediction(FingerFrame((x, y), UP, 1.0), top_mm)
 
 
 def fingers(*tips: tuple[int, int], breadth: int = 14, height_mm: float = 20.0) -> np.ndarray:
@@ -79,12 +80,14 @@ def test_what_is_far_above_a_fingertip_is_another_part_of_the_hand() -> None:
 @pytest.mark.parametrize("off", [-40, -20, 0, 15])
 def test_a_tip_that_went_farther_along_its_line_is_found(off: int) -> None:
     segmentation = segment(fingers((300, 300)), SensingSettings(), 8.0)
-    assert strip_end(segmentation, expected(300, 300 + off))[1] == pytest.approx(300.0, abs=3.0)
+    assert strip_end(segmentation, expected(300, 300 + off).place).tip_px[1] == pytest.approx(
+        300.0, abs=3.0
+    )
 
 
 def test_where_no_hand_is_the_tip_stays_where_it_was_expected() -> None:
     empty = segment(np.zeros(SHAPE, np.float32), SensingSettings(), 8.0)
-    assert strip_end(empty, expected(-20, 900)) == (-20, 900)
+    assert strip_end(empty, expected(-20, 900).place).tip_px == (-20, 900)
 
 
 @pytest.mark.parametrize(
@@ -92,9 +95,9 @@ def test_where_no_hand_is_the_tip_stays_where_it_was_expected() -> None:
 )
 def test_a_finger_is_as_broad_as_a_finger(breadth: int, finger: bool) -> None:
     segmentation = segment(fingers((300, 300), breadth=breadth), SensingSettings(), 8.0)
-    assert is_finger(segmentation, (300.0, 300.0), UP) is finger
+    assert is_finger(segmentation, expected(300, 300).place) is finger
 
 
 def test_outside_the_image_is_no_finger() -> None:
     hand = segment(np.full(SHAPE, -20.0, np.float32), SensingSettings(), 8.0)
-    assert not is_finger(hand, (-50.0, 700.0), UP)
+    assert not is_finger(hand, expected(-50, 700).place)

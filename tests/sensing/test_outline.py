@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.outline import Outline
 from halo_service.sensing.outline import outline as outline_of
 from halo_service.sensing.segmentation import segment
@@ -48,7 +49,9 @@ def outline(
     direction: tuple[float, float],
     radius_px: float,
 ) -> Outline | None:
-    return outline_of(segment(picture, SETTINGS, 8.0), depth, guess, direction, radius_px)
+    return outline_of(
+        segment(picture, SETTINGS, 8.0), depth, FingerFrame(guess, direction, 1.0), radius_px
+    )
 
 
 MEASURED = np.full((576, 640), 500, np.uint16)
@@ -74,17 +77,17 @@ def test_the_end_is_where_the_finger_stands_out(
     assert found is not None
     assert found.clear
     # Pixels are counted from their centres: the drawing's middle lies half a pixel up and left.
-    assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.0
-    turned = math.degrees(math.atan2(found.direction[0], -found.direction[1])) - yaw_deg
+    assert math.dist(found.place.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.0
+    turned = math.degrees(math.atan2(found.place.direction[0], -found.place.direction[1])) - yaw_deg
     assert abs(turned) < 6.0
-    assert found.width_px == pytest.approx(2.0 * RADIUS_PX, abs=1.0)
+    assert found.width_mm == pytest.approx(2.0 * RADIUS_PX, abs=1.0)
 
 
 @pytest.mark.parametrize("ahead_px", [0.0, 0.25, 0.5, 0.75])
 def test_a_part_of_a_pixel_counts(ahead_px: float) -> None:
     found = outline(finger(0.0, 6.0, 26.0, 0.0, ahead_px), MEASURED, END, (0.0, -1.0), RADIUS_PX)
     assert found is not None
-    assert found.tip_px[1] == pytest.approx(END[1] - 0.5 - ahead_px, abs=0.35)
+    assert found.place.tip_px[1] == pytest.approx(END[1] - 0.5 - ahead_px, abs=0.35)
 
 
 def test_an_outline_without_depth_is_bridged() -> None:
@@ -95,7 +98,7 @@ def test_an_outline_without_depth_is_bridged() -> None:
     depth[lost], picture[lost] = 0, 0.0
     found = outline(picture, depth, END, (0.0, -1.0), RADIUS_PX)
     assert found is not None
-    assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5
+    assert math.dist(found.place.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5
 
 
 def test_a_neighbour_does_not_turn_the_finger() -> None:
@@ -103,7 +106,7 @@ def test_a_neighbour_does_not_turn_the_finger() -> None:
     picture[300:360, 332:350] = -60.0  # a folded finger beside it, higher up
     found = outline(picture, MEASURED, (END[0], END[1] + 5.0), (0.26, -0.97), RADIUS_PX)
     assert found is not None
-    assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5
+    assert math.dist(found.place.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5
 
 
 @pytest.mark.parametrize("behind_px", [12, 14])
@@ -115,13 +118,13 @@ def test_knuckles_that_adjoin_the_finger_do_not_draw_it_over(
     picture[288 + behind_px : 345, slice(*columns)] = -60.0
     found = outline(picture, MEASURED, END, (0.0, -1.0), RADIUS_PX)
     assert found is not None
-    assert math.dist(found.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.0
-    assert found.direction == (0.0, -1.0)
+    assert math.dist(found.place.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.0
+    assert found.place.direction == (0.0, -1.0)
 
 
 def test_plain_noise_does_not_stand_out() -> None:
     noise = np.random.default_rng(1).normal(0.0, 2.0, (576, 640)).astype(np.float32)
-    assert np.count_nonzero(stands_out(noise)) < 5
+    assert np.count_nonzero(stands_out(noise, 1.0)) < 5
 
 
 @pytest.mark.parametrize("guess", [(320.0, 288.0), (-200.0, 288.0), (700.0, 900.0)])

@@ -9,6 +9,7 @@ import pytest
 
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
+from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.ridge import TAPER_DEG, angles
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
@@ -44,7 +45,8 @@ def test_pitch_and_yaw_are_those_of_the_upper_side(
     direction = (math.sin(yaw), -math.cos(yaw))
     excess = (depth - DISTANCE_MM).astype(np.float32)
     segmentation = segment(excess, SensingSettings(), 8.0)
-    found = angles(depth, segmentation, (320.0, 288.0), direction, camera, profile.surface)
+    place = FingerFrame((320.0, 288.0), direction, 1.0)
+    found = angles(depth, segmentation, place, camera, profile.surface)
     assert found is not None
     assert found.pitch_deg + TAPER_DEG == pytest.approx(pitch_deg, abs=4.0)
     assert found.yaw_deg == pytest.approx(yaw_deg, abs=3.5)
@@ -54,4 +56,5 @@ def test_where_no_finger_is_there_are_no_angles(camera: Camera, profile: Profile
     empty = np.full((576, 640), 500, np.uint16)
     nothing = segment(np.zeros(empty.shape, np.float32), SensingSettings(), 8.0)
     for tip in ((320.0, 288.0), (-50.0, 700.0)):
-        assert angles(empty, nothing, tip, (0.0, -1.0), camera, profile.surface) is None
+        place = FingerFrame(tip, (0.0, -1.0), 1.0)
+        assert angles(empty, nothing, place, camera, profile.surface) is None

@@ -13,6 +13,7 @@ from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
+from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.segmentation import segment
@@ -298,5 +299,7 @@ def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() ->
 
 
 def test_no_silhouette_is_no_tip() -> None:
-    assert silhouette_end(np.zeros((576, 640), bool), (320.0, 288.0), (0.0, -1.0), 7.0) is None
-    assert silhouette_end(np.ones((576, 640), bool), (-500.0, 288.0), (0.0, -1.0), 7.0) is None
+    within = FingerFrame((320.0, 288.0), (0.0, -1.0), 1.0)
+    outside = within._replace(tip_px=(-500.0, 288.0))
+    assert silhouette_end(np.zeros((576, 640), bool), within, 7.0) is None
+    assert silhouette_end(np.ones((576, 640), bool), outside, 7.0) is None

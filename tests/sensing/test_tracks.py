@@ -17,7 +17,7 @@ FRAME_US = 33_333
 def detection(
     x: float, n: int = 0, side: Side = Side.RIGHT, finger: Finger = Finger.INDEX
 ) -> Detection:
-    return Detection(n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9)
+    return Detection(n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0)
 
 
 def live(*xs: float, side: Side = Side.RIGHT) -> tuple[Track, ...]:
@@ -77,7 +77,7 @@ def test_there_are_as_many_slots_as_fingers() -> None:
 def test_a_finger_is_predicted_at_its_last_speed() -> None:
     finger = live(100)[0]
     finger = replace(finger, path=(*finger.path, Past(11 * FRAME_US, (106.0, 300.0))))
-    assert predict(finger, 12 * FRAME_US).tip_px == pytest.approx((112.0, 300.0), abs=0.01)
+    assert predict(finger, 12 * FRAME_US).place.tip_px == pytest.approx((112.0, 300.0), abs=0.01)
 
 
 @pytest.mark.parametrize(("off_px", "contradicted"), [(10.0, 0), (29.0, 0), (50.0, 1)])
@@ -113,7 +113,7 @@ def test_a_tip_far_from_the_detection_is_another_finger(
     finger = replace(finger, path=path, detection=detection(path[-late].tip_px[0], 12 - late))
     claimed, expected = claim(finger, 12 * FRAME_US), predict(finger, 12 * FRAME_US)
     assert claimed is not None
-    tip_px = (claimed.tip_px[0] + off_px, 300.0)
+    tip_px = (claimed.place.tip_px[0] + off_px, 300.0)
     tip = Fingertip(
         Side.RIGHT, Finger.INDEX, tip_px, (100.0, 320.0), (0, 0), (0, 0, 500), 14.0, 45.0, 0.0, 1.0
     )

@@ -1,7 +1,8 @@
 """The scripted stream: sections that each test one rule of the specification.
 
-Rule: pure, and the same every time. A section is a service, and sections follow each other. Times
-stay at least 0.1 s away from the limits of 0.5 s and 3 s, so that a slow machine changes nothing.
+Rule: pure, and the same every time. A section is a service, and sections follow each other. What
+one session shows does not depend on whether a limit (0.5 s, 3 s) is noticed some 0.1 s later, so a
+slow machine changes nothing.
 """
 
 from __future__ import annotations

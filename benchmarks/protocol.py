@@ -49,7 +49,7 @@ def theirs_read() -> int:
 
 
 def best_us(action: Callable[[], object], number: int = 20) -> float:
-    """The best of several runs: what it costs when nobody else is busy."""
+    """The best of several runs: the cost on an idle machine."""
     return min(repeat(action, number=number, repeat=100)) / number * 1e6
 
 

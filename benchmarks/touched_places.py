@@ -3,7 +3,7 @@
 
 A virtual person touches the corners of their area, then the nine projected crosses, as `halo
 calibrate surface --by touch` and `projector --by touch` ask for; the sensing finds the finger. One
-line a seed says how far from the truth a touch would then be told, and how far from its target
+line a seed says how far from the truth a touch would then be reported, and how far from its target
 light would fall. Some minutes a seed.
 """
 
@@ -36,7 +36,7 @@ def main() -> int:
         with TemporaryDirectory() as folder:
             surface = surface_off_mm(room, found(seed, "surface", Path(folder)))
             projector = projector_off_mm(room, found(seed, "projector", Path(folder)))
-        print(f"seed {seed}, {room.material}: surface {told(surface)}; projector {told(projector)}")
+        print(f"seed {seed}, {room.material}: surface {text(surface)}; projector {text(projector)}")
     return 0
 
 
@@ -52,7 +52,7 @@ def found(seed: int, step: str, folder: Path) -> Profile:
 
 
 def surface_off_mm(room: Room, profile: Profile) -> Points:
-    """(9,) of places over the touched area: from where they are to where they are told."""
+    """(9,) of places over the touched area: from where they are to where they are reported."""
     far_left, far_right, _, near_left = np.array(AREA)
     across, down = far_right - far_left, near_left - far_left
     places = far_left + SHARES @ np.array([across, down])
@@ -61,7 +61,7 @@ def surface_off_mm(room: Room, profile: Profile) -> Points:
 
 
 def projector_off_mm(room: Room, profile: Profile) -> Points:
-    """(N,) of pixels on the area: from where a touch of their light is told to where they are
+    """(N,) of pixels on the area: from where a touch of their light is reported to where they are
     said to be."""
     assert profile.projector is not None  # it has just been found
     fallen = mapped(np.linalg.inv(room.projector.projector_from_surface()), LIT)
@@ -70,7 +70,7 @@ def projector_off_mm(room: Room, profile: Profile) -> Points:
     return _apart(_seen(room, profile, fallen)[on_area], said[on_area])
 
 
-def told(off_mm: Points) -> str:
+def text(off_mm: Points) -> str:
     """Say mean and worst."""
     return f"{off_mm.mean():.1f} mm, at most {off_mm.max():.1f}"
 

@@ -104,7 +104,7 @@ class DrawnTable:
         return frame.pointers[0].diagnostics.halo / deep_mm
 
     def off_mm(self, pointer: Pointer, at_mm: Pair, height_mm: float = 0.0) -> Pair:
-        """Return how far a pointer's outline ends beside a place, x and y."""
+        """Return how far a pointer's outline ends from a place, x and y."""
         there = self.px(at_mm, height_mm + RADIUS_MM)
         tip, scale = pointer.diagnostics.tip_px, self.px_per_mm
         return (tip[0] - there[0]) / scale, (tip[1] - there[1]) / scale
@@ -112,7 +112,7 @@ class DrawnTable:
     def painted(
         self, tip_px: Pair, px_per_mm: float, dent_mm: float, height_mm: float, time_us: int
     ) -> Frame:
-        """Draw a finger whose outline ends at a pixel; 1 mm is `px_per_mm` there."""
+        """Draw a finger; its outline ends at a pixel; 1 mm is `px_per_mm` there."""
         depth = np.full(self.shape, self.distance_mm, np.uint16)
         x, y = round(tip_px[0]), round(tip_px[1])
         radius = round(RADIUS_MM * px_per_mm)
@@ -190,7 +190,7 @@ def profile() -> Profile:
 
 @pytest.fixture(scope="session")
 def draw() -> Callable[..., Frame]:
-    """Draw the plain view: a finger whose outline ends at `tip`, px; `signal`: mm px."""
+    """Draw the plain view: the outline of a finger ends at `tip`, px; `signal`: mm px."""
 
     def drawn(
         tip: Pair = (320.0, 288.0), signal: float = 0.0, height_mm: float = 0.0, time_us: int = 0

@@ -1,4 +1,4 @@
-"""One recording of a virtual person who follows cues, and the script of what they did when."""
+"""One recording of a virtual person who follows prompts, and the script of what they did when."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@
 // A peg must be narrower than the fingertip, so that the finger hides it from the camera: what shows
 // beside the finger is taken for hand, and hides the halo that is to be measured.
 //
-// Nobody has printed these yet. Measure each, and say what it measures. Where it may slip, hold it
+// These were never printed yet. Measure each, and say what it measures. Where it may slip, hold it
 // with a dot of thin tape on its foot.
 
 heights = [1, 5, 7, 10, 12, 15]; // mm

@@ -45,7 +45,7 @@ class NameWatch:
         if not known:
             log.warning(
                 "node: another running service is also called '%s' (session %s): clients cannot "
-                "tell the two apart; give one of them another name with --node",
+                "separate the two; give one of them another name with --node",
                 node,
                 session[:32],
             )

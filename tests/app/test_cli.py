@@ -70,10 +70,10 @@ def test_one_sentence_and_exit_2(
         if "--zenoh-listen" not in arguments:
             arguments.append("--no-zenoh")
     assert main(arguments) == 2
-    told = capfd.readouterr()
-    assert says in told.err
-    assert "Traceback" not in told.err
-    assert told.out == ""
+    printed = capfd.readouterr()
+    assert says in printed.err
+    assert "Traceback" not in printed.err
+    assert printed.out == ""
     assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
 
 

@@ -26,16 +26,16 @@ def test_crossings_lie_evenly_within_the_surface() -> None:
 
 
 @pytest.mark.parametrize(
-    ("beside", "counted"), [((0.0, 0.0), True), ((3.0, -4.0), True), ((0.0, REACH_MM + 1), False)]
+    ("off_mm", "counted"), [((0.0, 0.0), True), ((3.0, -4.0), True), ((0.0, REACH_MM + 1), False)]
 )
-def test_a_touch_counts_for_the_crossing_next_to_it(beside, counted) -> None:
+def test_a_touch_counts_for_the_crossing_next_to_it(off_mm, counted) -> None:
     grid = Grid(300.0, 200.0, PLAIN, SIZE)
-    landing = grid.land(*(grid.places[7] + beside))
+    landing = grid.land(*(grid.places[7] + off_mm))
     assert (landing is not None) == counted
     if landing is not None:
         assert landing.crossing == 7
-        assert (landing.dx_mm, landing.dy_mm) == pytest.approx(beside)
-        assert landing.off_mm == pytest.approx(np.hypot(*beside))
+        assert (landing.dx_mm, landing.dy_mm) == pytest.approx(off_mm)
+        assert landing.off_mm == pytest.approx(np.hypot(*off_mm))
 
 
 def test_the_summary_names_the_worst_crossing() -> None:
@@ -51,7 +51,7 @@ def test_the_summary_names_the_worst_crossing() -> None:
     assert "column 3" in grid.name(2)
 
 
-def test_the_next_crossing_is_the_first_that_nobody_touched() -> None:
+def test_the_next_crossing_is_the_first_untouched_one() -> None:
     grid = Grid(100.0, 100.0, PLAIN, SIZE)
     for crossing in (0, 2, 1, 3):
         assert grid.next is not None
@@ -59,7 +59,7 @@ def test_the_next_crossing_is_the_first_that_nobody_touched() -> None:
     assert grid.next is None
 
 
-def test_crossings_beside_the_picture_are_left_out() -> None:
+def test_crossings_outside_the_picture_are_left_out() -> None:
     grid = Grid(300.0, 200.0, PLAIN, (700, 800))  # 165 of the 300 mm
     assert len(grid.places) == 12
     assert grid.places[:, 0].max() == 126.0

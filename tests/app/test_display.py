@@ -32,7 +32,7 @@ def test_a_display_that_is_not_there_is_a_sentence() -> None:
         Display(9)
 
 
-def test_a_display_whose_process_dies_counts_as_closed() -> None:
+def test_a_display_counts_as_closed_when_its_process_dies() -> None:
     with Display(0, full_screen=False) as display:
         width, height = display.size_px
         display._process.kill()

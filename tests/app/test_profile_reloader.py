@@ -1,4 +1,4 @@
-"""A running service takes up a changed profile, and retakes its background on order."""
+"""A running service loads a changed profile, and records its background again on request."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def profile() -> Profile:
 
 
 @pytest.fixture
-def kept(profile: Profile, tmp_path: Path) -> Iterator[tuple[ProfileReloader, Path]]:
+def saved(profile: Profile, tmp_path: Path) -> Iterator[tuple[ProfileReloader, Path]]:
     folder = tmp_path / "desk"
     save(profile, folder)
     reloader = ProfileReloader(folder, profile.camera, profile)
@@ -59,9 +59,9 @@ def frames(depth_mm: int) -> list[Frame]:
 
 
 def test_a_profile_changed_on_disk_is_taken_up(
-    kept: tuple[ProfileReloader, Path], profile: Profile
+    saved: tuple[ProfileReloader, Path], profile: Profile
 ) -> None:
-    reloader, folder = kept
+    reloader, folder = saved
     amend(folder, lambda known: replace(known or profile, halo_threshold_mm=5.5))
     state = refreshed(reloader, start(profile, SensingSettings()), lambda p: p.revision == 2)
     assert state.profile is not None
@@ -70,12 +70,12 @@ def test_a_profile_changed_on_disk_is_taken_up(
 
 @pytest.mark.parametrize("name", ["profile.json", "background-*.npz"])
 def test_a_spoilt_profile_leaves_the_one_that_was_there(
-    kept: tuple[ProfileReloader, Path],
+    saved: tuple[ProfileReloader, Path],
     profile: Profile,
     caplog: pytest.LogCaptureFixture,
     name: str,
 ) -> None:
-    reloader, folder = kept
+    reloader, folder = saved
     (path,) = folder.glob(name)
     path.write_bytes(b"")
     (folder / "profile.json").touch()
@@ -87,10 +87,10 @@ def test_a_spoilt_profile_leaves_the_one_that_was_there(
     assert reloader.refresh(state).profile is profile
 
 
-def test_the_background_is_retaken_kept_and_announced_by_a_new_revision(
-    kept: tuple[ProfileReloader, Path], profile: Profile
+def test_the_background_is_recorded_again_saved_and_announced_by_a_new_revision(
+    saved: tuple[ProfileReloader, Path], profile: Profile
 ) -> None:
-    reloader, folder = kept
+    reloader, folder = saved
     reloader.retake_background()
     for frame in frames(502):
         reloader.watch(frame)
@@ -101,10 +101,10 @@ def test_the_background_is_retaken_kept_and_announced_by_a_new_revision(
     assert "background" in load(folder).steps
 
 
-def test_a_background_in_which_something_moved_is_not_kept(
-    kept: tuple[ProfileReloader, Path], profile: Profile, caplog: pytest.LogCaptureFixture
+def test_a_background_in_which_something_moved_is_not_saved(
+    saved: tuple[ProfileReloader, Path], profile: Profile, caplog: pytest.LogCaptureFixture
 ) -> None:
-    reloader, folder = kept
+    reloader, folder = saved
     reloader.retake_background()
     for n, frame in enumerate(frames(500)):
         frame.depth[40:80, 40 + n : 80 + n] = 430

@@ -19,6 +19,6 @@ def test_each_state_is_shown_with_its_dent_where_it_is_known(
     dented = replace(profile.touch.touch, deep_mm=11.04, deep_raw_mm=12.0)
     save(replace(profile, touch=replace(profile.touch, touch=dented)), tmp_path / "desk")
     assert main(["profile", "show", str(tmp_path / "desk")]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert "all fingers: touch 2000 mm px, dent 11.0 mm, with 25 g (assumed)" in told
-    assert "all fingers: hover 500 mm px at 10 mm (assumed)" in told
+    printed = capsys.readouterr().out.splitlines()
+    assert "all fingers: touch 2000 mm px, dent 11.0 mm, with 25 g (assumed)" in printed
+    assert "all fingers: hover 500 mm px at 10 mm (assumed)" in printed

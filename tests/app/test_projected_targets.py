@@ -1,7 +1,7 @@
 """From one recording and its script to touches that land where the projector's light is.
 
-Nothing but the recording is handed on: the room is calibrated, the touches are sensed and told as
-a client is told them, and the homography sends them to the projector. Truth judges in the end.
+Only the recording is passed on: the room is calibrated, the touches are sensed and published as a
+client receives them, and the homography maps them to the projector. At the end comes the truth.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SEED = 205
 TARGETS = [(x, y) for y in (280.0, 520.0) for x in (420.0, 650.0, 880.0)]
 """In the projector's pixels."""
 READY_S = 1.5
-"""From a cue to the finger that holds its state."""
+"""From a prompt to the finger that holds its state."""
 BOARD, HELD, TOUCHED = 12, 30, 69
 """Frames of a board, of a state, and from one target, touched once, to the next."""
 WITHIN_MM = 3.0
@@ -72,14 +72,14 @@ def test_touches_land_where_the_projected_targets_are(tmp_path: Path) -> None:
     place = str(tmp_path / profile)
     made = ["calibrate", "--source", f"recording:{recording}", "--script", str(script)]
     assert main([*made, "--profile", place]) == 0
-    told = tmp_path / "told.jsonl"
-    assert main(["replay", str(recording), "--profile", place, "--jsonl", str(told)]) == 0
+    published = tmp_path / "published.jsonl"
+    assert main(["replay", str(recording), "--profile", place, "--jsonl", str(published)]) == 0
 
     known = load(Path(place))
     assert known.projector is not None
     size_mm = known.surface.width_mm, known.surface.height_mm
     events = [
-        event for line in told.read_text().splitlines() for event in json.loads(line)["events"]
+        event for line in published.read_text().splitlines() for event in json.loads(line)["events"]
     ]
     downs = np.array([(e["u"], e["v"]) for e in events if e["kind"] == "down"]) * size_mm
     # What a client draws lies where the room's own projector throws that pixel.

@@ -1,4 +1,4 @@
-"""What late joiners are told: the scene, and where camera, projector and marker are."""
+"""What late joiners receive: the scene, and where camera, projector and marker are."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Broken:
         """Nothing to close."""
 
 
-def told(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
+def published(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
     heard = Heard()
     publisher = Publisher(
         FrameEncoder("desk", "s1", 0), [heard], "virtual", profile_camera, "table"
@@ -52,8 +52,8 @@ def told(profile: Profile | None, profile_camera) -> dict[str, wire.Message]:
 
 
 def test_nothing_is_said_of_what_is_not_known(profile: Profile, camera) -> None:
-    assert set(told(None, camera)) == {"scene"}
-    heard = told(profile, camera)
+    assert set(published(None, camera)) == {"scene"}
+    heard = published(profile, camera)
     assert set(heard) == {"scene", "pose"}
     assert heard["pose"].anchored == 0
     assert heard["pose"].anchor_from_surface == (0.0,) * 12
@@ -68,7 +68,7 @@ def test_projector_and_anchor_go_out_with_the_scenes_revision(profile: Profile, 
         projector=Projector(1280, 800, MATRIX),
         anchor=Anchor("apriltag-36h11", 0, 80.0, anchor_from_surface),
     )
-    heard = told(known, camera)
+    heard = published(known, camera)
     assert {message.revision for message in heard.values()} == {7}
     homography, pose = heard["homography"], heard["pose"]
     assert (homography.width_px, homography.height_px) == (1280, 800)

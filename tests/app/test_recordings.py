@@ -1,4 +1,4 @@
-"""`halo simulate` and `halo record`: takes that any reader of Matroska can open."""
+"""`halo simulate` and `halo record`: recordings that any reader of Matroska can open."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(
     assert simulate(tmp_path / "other", "--seed", "4").read_bytes() != take.read_bytes()
 
 
-def test_truth_lies_beside_each_frame(take: Path) -> None:
+def test_each_frame_has_its_truth(take: Path) -> None:
     truth = take.with_suffix(".truth.jsonl").read_text()
     lines = [json.loads(line) for line in truth.splitlines()]
-    told = [line["time_us"] for line in lines if "fingers" in line]
-    assert told == [frame.time_us for frame in frames_of(take)]
+    listed = [line["time_us"] for line in lines if "fingers" in line]
+    assert listed == [frame.time_us for frame in frames_of(take)]
 
 
 def test_a_recording_can_be_recorded(take: Path, tmp_path: Path) -> None:
@@ -72,7 +72,7 @@ def test_a_recording_can_be_recorded(take: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_ends_a_live_take_and_keeps_it(
+def test_ctrl_c_ends_a_live_recording_and_saves_it(
     spawn: Callable[..., subprocess.Popen[str]], tmp_path: Path
 ) -> None:
     out = tmp_path / "live.mkv"
@@ -117,7 +117,7 @@ def test_ctrl_c_ends_a_live_take_and_keeps_it(
         (["record", "no/x.mkv", "--source", "sim"], "no/x.mkv cannot be written: the folder"),
     ],
 )
-def test_a_take_that_cannot_be_leaves_nothing(
+def test_an_impossible_recording_leaves_nothing(
     arguments: list[str],
     says: str,
     tmp_path: Path,

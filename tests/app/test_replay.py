@@ -52,15 +52,15 @@ def replay(session: Path, out: Path, *options: str) -> list[dict[str, Any]]:
 @pytest.mark.slow
 def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_path: Path) -> None:
     profile = ("--profile", str(session / "profile"))
-    told = replay(session, tmp_path / "once.jsonl", *profile)
+    lines = replay(session, tmp_path / "once.jsonl", *profile)
     replay(session, tmp_path / "again.jsonl", *profile)
     assert (tmp_path / "once.jsonl").read_bytes() == (tmp_path / "again.jsonl").read_bytes()
 
-    pointers = [pointer for line in told for pointer in line["pointers"]]
-    assert len(pointers) > 0.8 * len(told)
+    pointers = [pointer for line in lines for pointer in line["pointers"]]
+    assert len(pointers) > 0.8 * len(lines)
     assert {pointer["state"] for pointer in pointers} == {"hover", "touch"}
     assert {"diagnostics", "u", "v", "hover_mm", "pressure", "force_g"} <= set(pointers[0])
-    downs = [event for line in told for event in line["events"] if event["kind"] == "down"]
+    downs = [event for line in lines for event in line["events"] if event["kind"] == "down"]
     contacts = [
         line for line in json.loads((session / "truth.json").read_text()) if "contact" in line
     ]
@@ -77,7 +77,7 @@ DIAGNOSTICS = (
 @pytest.mark.parametrize(
     ("read", "written"), [((9.5, 9.123456), [9.5, 9.1235]), ((math.nan, math.nan), [None, None])]
 )
-def test_a_line_tells_what_told_a_touch_and_null_where_the_dent_was_hidden(
+def test_a_line_has_the_diagnostics_of_a_touch_and_null_for_a_hidden_dent(
     profile: Profile, read: tuple[float, float], written: list[float | None]
 ) -> None:
     assert profile.touch is not None
@@ -87,28 +87,34 @@ def test_a_line_tells_what_told_a_touch_and_null_where_the_dent_was_hidden(
     signal, contact = Signal(900.0, 800.0, *read), Contact(True, 1, 0)
     pointer = describe(1, 0, tip, signal, 0.5, contact, profile.touch)
     line = json.loads(frame_line(TouchFrame(0, "desk", 300.0, 200.0, (pointer,)), "n", "s", 0))
-    told = line["pointers"][0]["diagnostics"]
-    assert tuple(told) == DIAGNOSTICS
-    assert [told["halo"], told["halo_corrected"], told["level"]] == [900.0, 800.0, 0.5]
-    assert [told["dent_mm"], told["pressed_mm"]] == written
+    diagnostics = line["pointers"][0]["diagnostics"]
+    assert tuple(diagnostics) == DIAGNOSTICS
+    assert [diagnostics["halo"], diagnostics["halo_corrected"], diagnostics["level"]] == [
+        900.0,
+        800.0,
+        0.5,
+    ]
+    assert [diagnostics["dent_mm"], diagnostics["pressed_mm"]] == written
 
 
 @pytest.mark.slow
-def test_a_rival_sees_touches_too_and_twice_the_same(session: Path, tmp_path: Path) -> None:
+def test_another_method_reports_touches_too_and_twice_the_same(
+    session: Path, tmp_path: Path
+) -> None:
     options = ("--profile", str(session / "profile"), "--method", "paper")
-    told = replay(session, tmp_path / "once.jsonl", *options)
+    lines = replay(session, tmp_path / "once.jsonl", *options)
     replay(session, tmp_path / "again.jsonl", *options)
     assert (tmp_path / "once.jsonl").read_bytes() == (tmp_path / "again.jsonl").read_bytes()
-    kinds = [event["kind"] for line in told for event in line["events"]]
+    kinds = [event["kind"] for line in lines for event in line["events"]]
     assert kinds.count("down") > 0
     assert kinds.count("down") - kinds.count("up") in (0, 1)  # the take may end in a touch
 
 
 @pytest.mark.slow
 def test_without_a_profile_there_are_frames_without_pointers(session: Path, tmp_path: Path) -> None:
-    told = replay(session, tmp_path / "none.jsonl")
-    assert [line["frame"] for line in told] == list(range(len(told)))
-    assert all(line["pointers"] == [] and line["events"] == [] for line in told)
+    lines = replay(session, tmp_path / "none.jsonl")
+    assert [line["frame"] for line in lines] == list(range(len(lines)))
+    assert all(line["pointers"] == [] and line["events"] == [] for line in lines)
 
 
 @pytest.mark.slow

@@ -95,7 +95,7 @@ def test_the_end_of_a_recording_is_a_normal_end(company_data: Path, serve: Spawn
     assert "Traceback" not in said
 
 
-def test_a_hand_model_that_is_not_there_is_told_before_the_service_runs(
+def test_a_missing_hand_model_is_reported_before_the_service_runs(
     tmp_path: Path, serve: Spawn
 ) -> None:
     (tmp_path / "halo.toml").write_text('[tracking]\nmodel = "none.task"\n')
@@ -153,11 +153,11 @@ def test_a_service_killed_in_mid_touch_leaves_no_pointer_stuck(
                             return event
 
         first = serve(*options)
-        touched = listen(lambda told: any(pointer.touching for pointer in told.pointers))
+        touched = listen(lambda frame: any(pointer.touching for pointer in frame.pointers))
         first.kill()
         first.wait()
         serve(*options)
-        again = listen(lambda told: told.session != touched.session and bool(told.pointers))
+        again = listen(lambda frame: frame.session != touched.session and bool(frame.pointers))
         assert again.frame > touched.frame  # a client that only compares counters goes on, too
         assert last[touched.session].pointers == ()
         assert any(up.id in {p.id for p in touched.pointers} for up in last[touched.session].ups)

@@ -25,4 +25,4 @@ def test_a_recording_in_the_home_folder_is_found_there(
 
 def test_a_recording_of_a_user_who_is_none_is_one_sentence() -> None:
     with pytest.raises(UserError, match="does not exist"):
-        open_source(SourceSettings("recording:~nobody-has-this-name/take.mkv"))
+        open_source(SourceSettings("recording:~no-such-user/take.mkv"))

@@ -152,7 +152,7 @@ def service(free_port: Callable[[], int]) -> Iterator[str]:
     thread.join()
 
 
-def test_a_running_services_fingers_are_held_beside_its_own_grid(
+def test_fingers_of_a_running_service_are_compared_with_its_own_grid(
     service: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["verify", "--from", service, "--window"]) == 0

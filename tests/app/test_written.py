@@ -72,7 +72,7 @@ def test_a_fifo_is_written_to_and_stays_a_fifo(tmp_path: Path) -> None:
 
 
 @posix
-def test_a_device_that_takes_nothing_is_said_and_stays(tmp_path: Path) -> None:
+def test_a_full_device_is_reported_and_stays(tmp_path: Path) -> None:
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")
     with pytest.raises(UserError, match="'/dev/full' cannot be written"):
@@ -88,7 +88,7 @@ def test_a_place_that_is_none_is_one_sentence(out: str, says: str) -> None:
         write(Path(out)) if out else written("").__enter__()
 
 
-def test_a_gallery_that_cannot_be_written_takes_nothing_away(
+def test_a_gallery_that_cannot_be_written_deletes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Drawn small: what is asked is where it goes.

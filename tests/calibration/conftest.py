@@ -26,7 +26,7 @@ Hold = Callable[..., HoldObservations]
 
 @pytest.fixture(scope="session")
 def hold() -> Hold:
-    """A held state: `raw` mm px with some noise, all 60 frames, unless told otherwise.
+    """A held state: `raw` mm px with some noise, all 60 frames, by default.
 
     Its dent is a 200th of the signal, or `dent_mm` and to and fro by `sways_mm`, and not seen in
     the first `hidden` frames.

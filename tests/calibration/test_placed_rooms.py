@@ -1,4 +1,4 @@
-"""Surface, projector and anchor in rooms whose truth is known: one table, one line of figures each.
+"""Surface, projector and anchor in rooms with a known truth: one table, one line of figures each.
 
 `pytest -n0 -s` prints them. A new room is a new line.
 """
@@ -91,7 +91,7 @@ def place(where: Where) -> Place:
 
 
 def off_mm(place: Place, fit: SurfaceFit) -> np.ndarray:
-    """(25,) how far from the truth a touch would be told."""
+    """(25,) how far from the truth a touch would be reported."""
     x, y, turn_deg = SHEET_AT
     places = grid(*SIZE)
     truth = sent(turned(x, y, turn_deg) @ turned(-SIZE[0] / 2.0, -SIZE[1] / 2.0, 0.0), places)
@@ -99,7 +99,7 @@ def off_mm(place: Place, fit: SurfaceFit) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seen_in", ["colour", "infrared"])
-def test_the_sheet_tells_the_surface(where: Where, place: Place, seen_in: str) -> None:
+def test_the_sheet_gives_the_surface(where: Where, place: Place, seen_in: str) -> None:
     sheet = printed(PAPER, *SHEET_AT[:2], PAPER_MM[0], SHEET_AT[2])
     furnished = dataclasses.replace(place.room, sheets=(sheet,))
     camera = place.camera
@@ -109,14 +109,14 @@ def test_the_sheet_tells_the_surface(where: Where, place: Place, seen_in: str) -
         view = place.infrared(furnished), camera.depth, np.eye(4)
     fit = surface_by_markers(*view, place.plane, *SIZE)
     off = off_mm(place, fit)
-    print(f"{told(where)} surface in {seen_in} {off.mean():.2f} mm, at most {off.max():.2f}")
+    print(f"{name_of(where)} surface in {seen_in} {off.mean():.2f} mm, at most {off.max():.2f}")
     assert off.max() < 1.5
     assert fit.error_mm < 1.0
     assert fit.error_px < 1.0
     assert (fit.surface.width_mm, fit.surface.height_mm) == SIZE
 
 
-def test_the_projected_board_tells_the_homography(where: Where, place: Place) -> None:
+def test_the_projected_board_gives_the_homography(where: Where, place: Place) -> None:
     camera, board = place.camera, Projected(*where.projector_px)
     dimmed = dataclasses.replace(place.room, light=where.light / 3.0, exposure_ms=6.0)
     picture = place.colour(board.picture(), room=dimmed)
@@ -124,7 +124,7 @@ def test_the_projected_board_tells_the_homography(where: Where, place: Place) ->
         picture, board, camera.colour, camera.colour_from_depth, place.plane
     )
     off = off_px(place, solved)
-    print(f"{told(where)} homography {off.mean():.2f} px, at most {off.max():.2f}")
+    print(f"{name_of(where)} homography {off.mean():.2f} px, at most {off.max():.2f}")
     assert off.mean() < 1.5
     assert solved.error_px < 1.5
     assert solved.covered > 0.9
@@ -133,14 +133,14 @@ def test_the_projected_board_tells_the_homography(where: Where, place: Place) ->
 
 
 @pytest.mark.parametrize("there", [LYING, LEANING], ids=["lying", "leaning"])
-def test_the_marker_tells_the_anchor(where: Where, place: Place, there: np.ndarray) -> None:
+def test_the_marker_gives_the_anchor(where: Where, place: Place, there: np.ndarray) -> None:
     off, off_deg = pose_error(anchored(place, TAG, there), there)
-    print(f"{told(where)} anchor {off:.2f} mm, {off_deg:.2f} degrees")
+    print(f"{name_of(where)} anchor {off:.2f} mm, {off_deg:.2f} degrees")
     assert off < 2.0
     assert off_deg < 0.5
 
 
-def told(where: Where) -> str:
+def name_of(where: Where) -> str:
     """Name a room in the figures that are printed."""
     return (
         f"{where.height_mm:4.0f} mm, tilt {where.pitch_deg:3.0f} and {where.yaw_deg:3.0f}, "

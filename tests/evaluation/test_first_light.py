@@ -50,7 +50,7 @@ def surface_of(width_mm: float, height_mm: float) -> Surface:
 
 @pytest.fixture
 def found(profile: Profile) -> Profile:
-    """A profile whose surface was found on the printed sheet."""
+    """A profile with a surface that was found on the printed sheet."""
     return replace(profile, steps={"surface": BY_MARKERS})
 
 

@@ -1,4 +1,4 @@
-"""Destinations of all kinds receive, each in its own form, and a bad one delays nobody."""
+"""Destinations of all kinds receive, each in its own form, and a bad one delays no other."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def test_the_multicast_options_reach_the_socket() -> None:
         assert sender.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == 7
 
 
-def test_an_unknown_name_is_logged_once_and_delays_nobody(
+def test_an_unknown_name_is_logged_once_and_delays_no_other(
     listen: Callable[..., socket.socket], caplog: pytest.LogCaptureFixture
 ) -> None:
     receiver = listen()

@@ -24,7 +24,7 @@ def placed(profile: Profile) -> Profile:
     )
 
 
-def test_projector_and_anchor_are_kept(profile, tmp_path):
+def test_projector_and_anchor_are_saved(profile, tmp_path):
     kept = placed(profile)
     save(kept, tmp_path)
     read = load(tmp_path)

@@ -281,9 +281,9 @@ def swept(profile: Profile) -> Profile:
 def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path) -> None:
     kept = swept(profile)
     save(kept, tmp_path)
-    told = load(tmp_path).correction
+    loaded = load(tmp_path).correction
     for name in ("x_mm", "yaw_deg", "strength", "samples", "dent", "dent_by_pitch"):
-        np.testing.assert_array_equal(getattr(told, name), getattr(kept.correction, name))
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(kept.correction, name))
 
 
 def test_a_profile_from_before_dents_is_read_and_knows_none(
@@ -300,12 +300,12 @@ def test_a_profile_from_before_dents_is_read_and_knows_none(
         del held["deep_mm"], held["deep_raw_mm"]
         held["dent_mm"] = 9.0
     file.write_text(json.dumps(text), encoding="utf-8")
-    told = load(tmp_path)
-    assert told.touch is not None and told.correction is not None
-    assert told.touch == profile.touch
-    assert (told.correction.dent, told.correction.dent_by_pitch) == (None, None)
-    np.testing.assert_array_equal(told.correction.samples[:, :5], old.samples)
-    assert np.isnan(told.correction.samples[:, 5]).all()
+    loaded = load(tmp_path)
+    assert loaded.touch is not None and loaded.correction is not None
+    assert loaded.touch == profile.touch
+    assert (loaded.correction.dent, loaded.correction.dent_by_pitch) == (None, None)
+    np.testing.assert_array_equal(loaded.correction.samples[:, :5], old.samples)
+    assert np.isnan(loaded.correction.samples[:, 5]).all()
 
 
 def test_a_profile_that_another_program_writes_is_one_sentence(

@@ -59,13 +59,13 @@ def test_time_rises_with_every_frame(seed):
 def test_a_host_clock_that_is_set_is_followed_and_time_goes_on(hours):
     set_us = hours * 3_600_000_000
     clock = DeviceClock()
-    told = []
+    errors_us = []
     for n, (device_us, true_us, arrived_us) in enumerate(arrivals(1200)):
         moved_us = set_us if n >= 400 else 0
-        told.append(clock.unix_us(device_us, arrived_us + moved_us) - true_us - moved_us)
+        errors_us.append(clock.unix_us(device_us, arrived_us + moved_us) - true_us - moved_us)
     # At once when time is set back; set forward it might be a delay, until all are that late.
-    assert np.abs(np.array(told[720:]) - LEAST_DELAY_US).max() < 3000
-    assert (np.diff(told[720:]) > -PERIOD_US).all()
+    assert np.abs(np.array(errors_us[720:]) - LEAST_DELAY_US).max() < 3000
+    assert (np.diff(errors_us[720:]) > -PERIOD_US).all()
 
 
 def test_a_device_time_of_zero_is_a_time():

@@ -43,7 +43,7 @@ def first(kinect: VirtualKinect):
     raise AssertionError("no frame within 10 s")
 
 
-def test_frames_come_in_time_and_in_order_with_truth_beside(tmp_path):
+def test_frames_come_in_time_and_in_order_with_their_truth(tmp_path):
     path = tmp_path / "truth.jsonl"
     with VirtualKinect(parse_sim_url("sim:demo?drop=0"), truth_path=str(path)) as kinect:
         assert kinect.kind == "virtual"
@@ -62,8 +62,8 @@ def test_frames_come_in_time_and_in_order_with_truth_beside(tmp_path):
     assert np.abs(periods - np.round(periods)).max() < 0.09
     assert periods.min() > 0.9
     lines = [json.loads(line) for line in path.read_text().splitlines()]
-    told = [line["time_us"] for line in lines if "fingers" in line]
-    assert set(times) <= set(told)
+    listed = [line["time_us"] for line in lines if "fingers" in line]
+    assert set(times) <= set(listed)
     assert any("contact" in line for line in lines)
 
 

@@ -13,7 +13,7 @@ from halo_service.virtual.skeleton import posed
 
 
 @pytest.mark.parametrize("seed", [1, 2, 5])
-def test_a_hand_beside_the_body_leaves_no_trace(seed: int) -> None:
+def test_a_hand_next_to_the_body_leaves_no_trace(seed: int) -> None:
     room = parse_sim_url(f"sim?seed={seed}").room
     sensor = Sensor(room, colour_times=2)
     gone = posed(room.user, pointing(room.user, room.dominant, away(room, room.dominant)))

@@ -46,7 +46,7 @@ def test_a_ball_is_seen_where_it_is_and_as_deep_as_it_is(x, y):
     assert np.nanmedian(np.abs(error)) < 0.15
 
 
-def test_what_is_behind_the_lens_or_beside_the_image_is_not_seen():
+def test_what_is_behind_the_lens_or_outside_the_image_is_not_seen():
     lens = factory().depth
     for place in ((0.0, 0.0, -400.0), (5000.0, 0.0, 500.0), (0.0, 0.0, 20.0)):
         points, faces, _ = ball(*place)

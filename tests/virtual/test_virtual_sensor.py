@@ -166,7 +166,7 @@ def test_every_material_can_be_seen(material):
     assert frame.ir[300, 320] > 200
 
 
-def test_a_cup_stands_in_depth_and_colour_and_a_sheet_in_colour_and_infrared():
+def test_a_cup_is_seen_in_depth_and_colour_and_a_sheet_in_colour_and_infrared():
     bare, laid = Sensor(Room(**KIND_ROOM, noise=0.0, material="suede")), Sensor(
         Room(**KIND_ROOM, noise=0.0, material="suede", props=("cup", "sheet", "board"))
     )  # fmt: skip
@@ -235,7 +235,7 @@ def test_a_picture_file_is_thrown(tmp_path):
     assert (show(str(path), 64, 40)(0.0) == (0, 0, 255)).all()
 
 
-def test_dropped_frames_are_told_and_time_goes_on():
+def test_dropped_frames_are_reported_and_time_goes_on():
     taken = list(frames(parse_sim_url(f"sim:idle?drop=0.3&seed=4&{KIND_URL}"), 4.0, colour=False))
     kept = [frame for frame, _ in taken if frame is not None]
     assert len(taken) == 120

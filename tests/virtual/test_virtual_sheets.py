@@ -92,7 +92,7 @@ def test_a_standing_card_is_seen_where_it_stands(tilt_deg):
     assert abs(np.median(frame.depth[y - 2 : y + 3, x - 2 : x + 3]) - middle[0, 2]) < 5.0
 
 
-def test_the_projector_shows_what_it_is_told_until_it_is_told_something_else():
+def test_the_projector_shows_a_picture_until_it_gets_another():
     # Exposed as long as the room light asks for, projected white would run over the edges.
     room = dataclasses.replace(ROOM, light=0.5, exposure_ms=5.0)
     sensor = Sensor(room)

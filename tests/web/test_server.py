@@ -1,4 +1,4 @@
-"""Browsers get the stream; slow and hostile clients delay nobody."""
+"""Browsers get the stream; slow and hostile clients delay no other client."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_browser_that_opens_the_address_gets_a_sentence(server: WebServer) -> 
     assert f"subprotocols {JSON}, {OSC}" in answer
 
 
-def test_a_slow_client_loses_frames_and_delays_nobody(server: WebServer) -> None:
+def test_a_slow_client_loses_frames_and_delays_no_other(server: WebServer) -> None:
     big = [frame(n, fingers(64)) for n in range(3000)]
     with client(server, OSC, max_queue=1) as slow, client(server, OSC) as quick:
         wait_for_clients(server, 2)

@@ -90,10 +90,10 @@ class _TimedPublisher:
     def scene(self, state: State) -> None:
         self._publisher.scene(state)
 
-    def health(self, vitals: Health) -> None:
-        if vitals.tracker_ms >= 0.0:
-            self.hands_ms.append(vitals.tracker_ms)
-        self._publisher.health(vitals)
+    def health(self, health: Health) -> None:
+        if health.tracker_ms >= 0.0:
+            self.hands_ms.append(health.tracker_ms)
+        self._publisher.health(health)
 
 
 def run(

@@ -91,7 +91,7 @@ def test_the_board_is_found_without_a_shift_when_it_is_small():
     assert np.abs(off).max() < 0.3
 
 
-def test_an_apriltag_stands_as_its_makers_publish_it():
+def test_an_apriltag_is_drawn_as_its_makers_publish_it():
     black = marker_squares(APRILTAG, 0)
     assert tuple("".join("#" if each else "." for each in row) for row in black) == TAG_0
     # Its first corner is at the top left of that picture.
@@ -101,7 +101,7 @@ def test_an_apriltag_stands_as_its_makers_publish_it():
     np.testing.assert_allclose(seen.picture[2], [191.5, 191.5], atol=0.1)
 
 
-def test_a_number_that_is_there_twice_is_nobodys():
+def test_a_number_that_is_seen_twice_is_ignored():
     one = anchor("aruco-4x4", 7, 40.0).picture(60.0, 60.0, 3)
     twice = np.concatenate([one, one], axis=1)
     seen = detect(twice, anchor("aruco-4x4", 7, 40.0))

@@ -148,7 +148,7 @@ def test_a_document_of_several_pages_says_where_each_object_is():
     assert b"/Count 2" in data
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path, capsys):
+def test_a_folder_that_cannot_be_created_is_reported(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["targets", str(tmp_path / "file" / "under")]) == 2
     assert "choose another folder" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""A person who does not do as told is told again."""
+"""A person who does not follow a prompt gets it again."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class Person:
     def __init__(self, table: Table, waves: int) -> None:
         self._table, self._waves = table, waves
         self.said: list[str] = []
-        self.told = 0
+        self.prompts = 0
         self.counted_down: list[float] = []
 
     def prompt(self, prompt: Prompt) -> None:
-        self.told += 1
-        self._table.waving = self.told <= self._waves
+        self.prompts += 1
+        self._table.waving = self.prompts <= self._waves
 
     def say(self, words: str) -> None:
         self.said.append(words)
@@ -71,7 +71,7 @@ class Person:
         raise AssertionError("the background has no map")
 
 
-def nobody(frame: Frame) -> Tracked:
+def no_hands(frame: Frame) -> Tracked:
     return Tracked(frame.time_us, ())
 
 
@@ -79,13 +79,13 @@ def guided(waves: int) -> tuple[GuidedCalibration, Person]:
     table = Table()
     person = Person(table, waves)
     setup = Setup("desk", CAMERA, "2026-01-01T00:00:00Z")
-    return GuidedCalibration(setup, Session(table), person, lambda profile: nobody), person
+    return GuidedCalibration(setup, Session(table), person, lambda profile: no_hands), person
 
 
 def test_a_refused_step_is_done_again_with_a_count_down() -> None:
     steps, person = guided(waves=1)
     profile = steps.background()(None)
-    assert person.told == 2
+    assert person.prompts == 2
     assert len(person.said) == 1
     assert "something moved" in person.said[0]
     assert profile.steps["background"].quality == "good"
@@ -99,4 +99,4 @@ def test_after_three_attempts_the_sentence_is_final() -> None:
     steps, person = guided(waves=9)
     with pytest.raises(Refused, match="something moved"):
         steps.background()
-    assert person.told == ATTEMPTS
+    assert person.prompts == ATTEMPTS

@@ -1,4 +1,4 @@
-"""Marks are touched and boards are shown as a person is told to."""
+"""Marks are touched and boards are shown as the prompts say."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ CORNERS_PX = ((200.0, 220.0), (440.0, 220.0), (440.0, 380.0), (200.0, 380.0))
 SIZE = (1280, 800)
 NEARER = (500.0 - 8.0) / 500.0
 """The middle of a drawn finger's round tip is seen 8 mm above the table: a radius of 7, and the
-millimetre by which the finger is thicker than one that nobody has measured."""
+millimetre by which the finger is thicker than one that was not measured."""
 DOWN, UP = 18, 8
 """Frames of a touch, and between two."""
 
 
 class Person:
-    """A drawn source and a `Guide` at once: a finger that touches the mark it is told to."""
+    """A drawn source and a `Guide` at once: a finger that touches the mark of the prompt."""
 
     kind = "camera"
 
@@ -43,19 +43,19 @@ class Person:
     ):
         self.camera = camera
         self.said: list[str] = []
-        self.told: list[Prompt] = []
+        self.prompts: list[Prompt] = []
         self.sloppy_px = 0.0
-        """How far beside the mark the next mark's last touch goes."""
+        """How far from the mark the next mark's last touch goes."""
         self._draw, self._see, self._place_of = draw, see, place_of
         self._number = 0
         self._tip = (320.0, 300.0)
         self._coming: list[tuple[tuple[float, float], bool]] = []
 
     def prompt(self, prompt: Prompt) -> None:
-        self.told.append(prompt)
+        self.prompts.append(prompt)
         x, y = self._place_of(prompt)
         # The finger still rests on the mark before when the next is named.
-        rests = len(self.told) > 1
+        rests = len(self.prompts) > 1
         self._coming = [(self._tip, True)] * DOWN * rests + [(self._tip, False)] * UP
         for off in (0.0, 0.0, self.sloppy_px):
             self._coming += [((x + off, y), True)] * DOWN + [((x + off, y), False)] * UP
@@ -65,7 +65,7 @@ class Person:
         self.said.append(words)
 
     def live(self, seconds_left, measuring, seen) -> None:
-        """Nobody looks."""
+        """Show nothing: there is no screen."""
 
     def map(self, lines) -> None:
         """Nothing to map."""
@@ -94,7 +94,7 @@ def guided(person: Person) -> GuidedCalibration:
 def test_four_touched_corners_make_a_surface(camera, draw, see, profile: Profile) -> None:
     person = Person(camera, draw, see, lambda prompt: CORNERS_PX[prompt.number])
     made = GuidedPlace(guided(person)).corners(profile)(profile)
-    assert [prompt.name for prompt in person.told] == ["corner"] * 4
+    assert [prompt.name for prompt in person.prompts] == ["corner"] * 4
     assert made.surface.width_mm == pytest.approx(240.0 * NEARER, abs=1.0)
     assert made.surface.height_mm == pytest.approx(160.0 * NEARER, abs=1.0)
     assert "error_mm" in made.steps["surface"].figures
@@ -104,12 +104,12 @@ def test_a_mark_whose_touches_differ_is_asked_for_again(camera, draw, see, profi
     person = Person(camera, draw, see, lambda prompt: CORNERS_PX[prompt.number])
     person.sloppy_px = 20.0
     GuidedPlace(guided(person)).corners(profile)
-    assert [prompt.number for prompt in person.told] == [0, 0, 1, 2, 3]
+    assert [prompt.number for prompt in person.prompts] == [0, 0, 1, 2, 3]
     assert sum("mm apart" in words for words in person.said) == 1
 
 
 class Screen:
-    """Keeps what it is told to show."""
+    """Stores what it should show."""
 
     def __init__(self, changes: bool = True) -> None:
         self.size_px = SIZE
@@ -133,9 +133,9 @@ def test_nine_touched_crosses_make_a_homography(
     assert made.projector is not None
     for scale in np.diag(made.projector.projector_from_surface)[:2]:
         assert scale == pytest.approx(5.0 / NEARER, rel=0.01)
-    told = [message for message in caplog.messages if "cross: off by" in message]
-    assert len(told) == 9
-    assert all(re.search(r"[0-9.]+ px, [0-9.]+ mm$", message) for message in told)
+    logged = [message for message in caplog.messages if "cross: off by" in message]
+    assert len(logged) == 9
+    assert all(re.search(r"[0-9.]+ px, [0-9.]+ mm$", message) for message in logged)
     assert len(screen.shown) == 10
     for picture, (x, y) in zip(screen.shown, crosses(*SIZE), strict=False):
         assert picture[round(y), round(x)].min() == 255  # the one to touch is the bright one

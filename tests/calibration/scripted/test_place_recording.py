@@ -1,4 +1,4 @@
-"""Surface, projector and anchor from one recording and its script, held beside the room's truth."""
+"""Surface, projector and anchor of one recording and its script, against the room's truth."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def room() -> Room:
 
 @pytest.fixture(scope="module")
 def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A recording; its script and the profile made of both lie beside it."""
+    """A recording; its script and the profile made of both are in its folder."""
     folder = tmp_path_factory.mktemp("place")
     recording = folder / "place.mkv"
     with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
@@ -79,7 +79,7 @@ def test_the_surface_lies_around_the_sheet(room: Room, profile: Profile) -> None
 
 
 def test_what_is_touched_is_where_it_is_projected(room: Room, profile: Profile) -> None:
-    """A finger that truly rests on a projected target is told within 1.5 mm of it."""
+    """A finger that truly rests on a projected target is reported within 1.5 mm of it."""
     assert profile.projector is not None
     matrix = np.linalg.inv(profile.projector.projector_from_surface)
     truth = np.linalg.inv(room.projector.projector_from_surface())
@@ -111,7 +111,7 @@ def test_a_recording_can_be_verified_too(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Nobody touches anything in it, and it says so when it ends."""
+    """No touch is in it, and the command says so at its end."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     source = ["--source", f"recording:{recording}", "--profile", str(recording.parent / "profile")]
     assert main(["verify", *source, "--window"]) == 1

@@ -97,13 +97,13 @@ def test_the_same_recording_and_script_give_the_same_profile(
 ) -> None:
     written = tmp_path / "script.json"
     written.write_text(json.dumps(script))
-    kept = []
+    profiles = []
     for name in ("one", "two"):
         folder = tmp_path / name / "desk"
         arguments = ["--source", f"recording:{take.path}", "--script", str(written)]
         assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
-        kept.append({path.name: path.read_bytes() for path in folder.iterdir()})
-    assert kept[0] == kept[1]
+        profiles.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    assert profiles[0] == profiles[1]
     profile = load(tmp_path / "one" / "desk")
     assert profile.calibrated == "complete"
     assert profile.touch is not None

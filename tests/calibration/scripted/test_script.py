@@ -23,7 +23,7 @@ PROJECTOR = {"step": "projector", "from_s": 0, "to_s": 1, "width_px": 1280, "hei
 ANCHOR = {"step": "anchor", "from_s": 2, "to_s": 3, "marker": 4, "size_mm": 60}
 
 
-def test_words_and_numbers_are_told_apart() -> None:
+def test_words_and_numbers_are_separated() -> None:
     anchor = ANCHOR | {"family": "aruco-4x4"}
     projector, marker = parse_script([PROJECTOR | {"by": "gray"}, anchor], "s.json")
     assert (projector.words, projector.fields["width_px"]) == ({"by": "gray"}, 1280.0)

@@ -67,7 +67,7 @@ def test_a_marker_without_depth_is_refused(place):
     picture = place.colour(room=dataclasses.replace(place.room, sheets=(sheet,)))
     with pytest.raises(Refused, match="no depth on the marker"):
         anchor_pose(picture, TAG, place.camera, place.plane, place.background, blind)
-    # Another number is nobody's anchor.
+    # Another number is not the anchor.
     other = anchor("apriltag-36h11", 5, 80.0)
     with pytest.raises(Refused, match="marker 5 is not seen"):
         anchor_pose(picture, other, place.camera, place.plane, place.background, blind)

@@ -1,4 +1,4 @@
-"""A surface laid anew on the same plane takes along what was learnt over the old one."""
+"""A new surface on the same plane gets what was learnt over the old one."""
 
 from __future__ import annotations
 

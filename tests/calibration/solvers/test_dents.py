@@ -85,7 +85,7 @@ def test_a_corner_without_samples_stays_close_to_its_neighbours() -> None:
     assert corner[0] == pytest.approx(true, rel=0.2)
 
 
-def test_pitch_is_told_apart_from_place_within_the_wedges(pilots: Floats) -> None:
+def test_pitch_and_place_are_separated_within_the_wedges(pilots: Floats) -> None:
     curve = by_pitch(pilots, PITCH_DEG, 45.0)
     assert curve == pytest.approx(pitch_truth(np.clip(PITCH_DEG, 30.0, 60.0)), abs=0.006)
     assert by_pitch(pilots, np.array([35.0]), 35.0) == pytest.approx(1.0)

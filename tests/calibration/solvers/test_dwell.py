@@ -1,4 +1,4 @@
-"""A touch is told from a pause, a pass and a long rest, with nothing known of the finger."""
+"""A touch is separated from a pause, a pass and a long rest, without knowing the finger."""
 
 from __future__ import annotations
 

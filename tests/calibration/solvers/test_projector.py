@@ -23,7 +23,7 @@ PLAIN = Projector()
 BACK = np.linalg.inv(PLAIN.projector_from_surface())
 
 
-def test_gray_code_tells_the_homography_in_a_dim_room():
+def test_gray_code_gives_the_homography_in_a_dim_room():
     projector = hung(30.0, 640, 480)
     fields = {"material": "plastic", "light": 0.05, "exposure_ms": 8.0}
     place = Place(room(1000.0, 15.0, projector=projector, **fields))
@@ -46,7 +46,7 @@ def touched(noise_mm=1.5, seed=1, projector=PLAIN):
     return [place + rng.normal(0.0, noise_mm, (3, 2)) for place in sent(back, places)]
 
 
-def test_touched_crosses_tell_the_homography():
+def test_touched_crosses_give_the_homography():
     off = []
     for seed in range(20):
         solved = projector_by_touches(touched(2.0, seed), 1280, 800, TABLE)
@@ -96,7 +96,7 @@ def far_away():
         (far_away(), "lights only 0 % of the surface"),
         ([np.tile(touch[::-1][:1], (3, 1)) for touch in touched(7.0, 3)], "off by|contradict"),
     ],
-    ids=["mirrored", "unsteady", "in a line", "beside the surface", "careless"],
+    ids=["mirrored", "unsteady", "in a line", "outside the surface", "careless"],
 )
 def test_touches_that_make_no_homography_are_refused(touches, why):
     with pytest.raises(Refused, match=why):
@@ -168,7 +168,7 @@ def test_the_stripes_are_as_many_as_they_say():
     assert count(1280, 800) == 36
 
 
-def test_stripes_seen_straight_tell_their_pixels():
+def test_stripes_seen_straight_give_their_pixels():
     decoded = decode(list(patterns(1280, 800)), 1280, 800)
     off = decoded.picture + 0.5 - decoded.projector
     assert len(off) == 320 * 200
@@ -188,6 +188,6 @@ def grey(level):
     ],
     ids=["blown out", "no light", "too fast"],
 )
-def test_stripes_that_tell_nothing_are_refused(pictures, why):
+def test_unreadable_stripes_are_refused(pictures, why):
     with pytest.raises(Refused, match=why):
         decode(pictures, 1280, 800)

@@ -24,7 +24,7 @@ def touched(turn_deg, noise_mm, seed=1, order=(0, 1, 2, 3), count=3):
 
 
 @pytest.mark.parametrize("turn_deg", [0.0, 7.0, 90.0, -135.0, 180.0])
-def test_four_touched_corners_tell_the_surface(turn_deg):
+def test_four_touched_corners_give_the_surface(turn_deg):
     off = []
     for seed in range(20):
         laid = surface_by_touches(touched(turn_deg, 2.0, seed), PLANE)

@@ -42,7 +42,7 @@ def test_states_are_medians_with_what_was_stated(hold: Hold) -> None:
     assert apart > 6.0
 
 
-def test_what_nobody_measured_is_recorded_as_assumed(hold: Hold) -> None:
+def test_what_was_not_measured_is_recorded_as_assumed(hold: Hold) -> None:
     states, _, _ = solve_touch(all_of(hold), StateValues(), None)
     assert [getattr(states, name).stated for name in STATES] == [False] * 4
     assert (states.hover.height_mm, states.subtle.height_mm) == (10.0, 1.0)
@@ -83,7 +83,7 @@ def dents(states: TouchStates) -> list[float]:
     return [getattr(states, name).deep_mm for name in STATES]
 
 
-UNTOLD = {
+UNSEPARATE = {
     "alike": ("touch", {"dent_mm": 7.55}),
     "swapped": ("subtle", {"dent_mm": 12.0}),
     "hidden in most frames": ("hover", {"hidden": 31}),
@@ -92,8 +92,8 @@ UNTOLD = {
 }
 
 
-@pytest.mark.parametrize(("state", "how"), UNTOLD.values(), ids=UNTOLD.keys())
-def test_dents_that_do_not_tell_the_states_apart_are_unknown_in_all_four_and_refuse_nobody(
+@pytest.mark.parametrize(("state", "how"), UNSEPARATE.values(), ids=UNSEPARATE.keys())
+def test_dents_that_do_not_separate_the_states_are_unknown_in_all_four_and_not_refused(
     hold: Hold, profile: Profile, state: str, how: dict[str, float]
 ) -> None:
     holds = all_of(hold, **{state: hold(state, RAW[state], **how)})
@@ -118,14 +118,14 @@ def test_unknown_dents_stay_unknown_when_a_sweep_comes(hold: Hold) -> None:
     assert dents(corrected(states, correction)) == [0.0] * 4
 
 
-TOLD = {
+SEPARATE = {
     "four times as far apart as they vary": {"dent_mm": 11.8},
     "seen in every other frame": {"hidden": 30},
 }
 
 
-@pytest.mark.parametrize("how", TOLD.values(), ids=TOLD.keys())
-def test_dents_that_tell_the_states_apart_are_kept_without_a_word(
+@pytest.mark.parametrize("how", SEPARATE.values(), ids=SEPARATE.keys())
+def test_dents_that_separate_the_states_are_used_without_a_note(
     hold: Hold, profile: Profile, how: dict[str, float]
 ) -> None:
     holds = all_of(hold, pressure=hold("pressure", RAW["pressure"], **how))

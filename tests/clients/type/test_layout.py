@@ -10,7 +10,7 @@ from halo_type.phrases import PHRASES
 KEYS = keyboard(70.0, 60.0)
 
 
-def test_a_touch_in_a_keys_middle_types_it_and_one_beside_does_not():
+def test_a_touch_in_a_keys_middle_types_it_and_one_outside_does_not():
     for character, key in KEYS.items():
         assert key_at(KEYS, *key.middle) == character
         assert key.inside(*key.middle) == KEY_MM / 2.0

@@ -34,7 +34,7 @@ def typed_touches(text, reported, again=(), aside_mm=0.0):
     return score_touches(published_frames(count, downs), truth_of([*truth_frames(count), *lines]))
 
 
-def test_keys_are_wrong_where_another_was_told():
+def test_keys_are_wrong_where_another_was_reported():
     touches = typed_touches("table", [0.0, 5.0, 12.0, None, -3.0])
     counted = score_keys(touches)
     assert (counted.struck, counted.wrong, counted.missed) == (5, 1, 1)

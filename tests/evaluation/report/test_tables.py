@@ -233,8 +233,8 @@ def test_low_fingers_without_a_pointer_count_in_every_task_but_not_for_touch_onl
     assert line_of("active low fingers", results[1:]) == NOT_MEASURED
     silent = result(empty(behaviour=Behaviour(without_pointer=100, fingers=100)))
     assert line_of("active low fingers", [silent]) == "100.0 %"
-    nobody = result(empty(behaviour=Behaviour(pointers=5, hovering=5)))
-    assert line_of("active low fingers", [nobody]) == NOT_MEASURED
+    hovering = result(empty(behaviour=Behaviour(pointers=5, hovering=5)))
+    assert line_of("active low fingers", [hovering]) == NOT_MEASURED
 
 
 def test_a_session_without_truth_has_no_confidence_figures():
@@ -385,8 +385,8 @@ def test_a_breakdown_has_a_row_for_each_property_of_the_user_and_the_camera():
         "skin offset, mm: from 11"
     )
     assert {"camera height, mm: below 450", "camera height, mm: from 800"} <= set(rows)
-    nobody = breakdown([result(taps(6), subject=Subject("desk"))])
-    assert all(t.title != "By property of user and camera" for t in nobody)
+    unknown = breakdown([result(taps(6), subject=Subject("desk"))])
+    assert all(t.title != "By property of user and camera" for t in unknown)
 
 
 def test_places_have_mean_median_and_percentile():

@@ -1,4 +1,4 @@
-"""One user's calibration in which nobody comes, and a hand tracker that finds nobody."""
+"""One user's calibration without a hand, and a hand tracker that finds none."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ SCRIPT: tuple[Line, ...] = (
     {"step": "background", "from_s": 0.0, "to_s": BACKGROUND_S},
     *({"step": name, "from_s": 3.0 + k, "to_s": 3.5 + k} for k, name in enumerate(STATES)),
 )
-"""Nobody holds any of the states."""
+"""No state is held."""
 
 
 @contextmanager
 def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Tracker]:
-    """A hand tracker that finds nobody: simulating needs no more."""
+    """A hand tracker that finds no hand: simulating needs no more."""
     yield lambda frame: Tracked(frame.time_us, ())
 
 
@@ -50,5 +50,5 @@ def store_empty_table(folder: Path) -> None:
 
 
 def cache_in(folder: Path) -> RecordingCache:
-    """Return a cache whose tracker finds nobody."""
-    return RecordingCache(folder, blind, "nobody")
+    """Return a cache with a tracker that finds no hand."""
+    return RecordingCache(folder, blind, "blind")

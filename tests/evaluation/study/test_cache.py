@@ -103,7 +103,7 @@ def announce(camera, profile, hands):
         return Tracked(frame.time_us, ())
     yield track
 
-RecordingCache(Path({folder!r}), announce, "nobody").ensure(USER, LONG)
+RecordingCache(Path({folder!r}), announce, "blind").ensure(USER, LONG)
 """
 
 

@@ -7,7 +7,7 @@ import errno
 import logging
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from aiohttp import WSMsgType, web
 
@@ -17,6 +17,7 @@ from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.web.access import Access
+from halo_service.web.oscquery import ATTRIBUTES, Node, find, host_info, stream_nodes, tree
 from halo_service.web.requests import answer_hello, read_binary, read_text
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, Subscriber
@@ -47,18 +48,23 @@ class WebServer:
         node: str = "",
         session: str = "",
         control: Callable[[ControlMessage], None] = _no_control,
+        control_port: int = 0,
     ) -> None:
-        """Listen. `control` gets what clients ask for, in the server's thread.
+        """Listen. `control` gets what clients ask for, in the server's thread; `control_port` is
+        the UDP port for the same messages.
 
         Raises `UserError` for a host that is not an address of this machine.
         """
         self._node, self._session = node, session
         self._control = control
+        self._control_port = control_port
+        self.nodes: Callable[[], Iterable[Node]] = tuple
+        """What clients can send, for OSCQuery; called in the server's thread."""
         self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
         self._listener = _listening(settings)
         self.url = f"ws://{_bracketed(settings.host)}:{self.port}{PATH}"
         self._clients: set[Subscriber] = set()
-        self._retained: dict[tuple[str, str], Outgoing] = {}
+        self._latest: dict[tuple[str, str], Outgoing] = {}
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="web", daemon=True)
         self._thread.start()
@@ -71,7 +77,8 @@ class WebServer:
 
     def send(self, outgoing: Outgoing) -> None:
         """Hand a frame or report to the server's thread."""
-        if self._clients or outgoing.kind in RETAINED:
+        self._latest[outgoing.surface, outgoing.kind] = outgoing
+        if self._clients:
             self._loop.call_soon_threadsafe(self._publish, outgoing)
 
     def close(self) -> None:
@@ -85,6 +92,7 @@ class WebServer:
     async def _start(self) -> web.AppRunner:
         application = web.Application()
         application.router.add_get(PATH, self._subscribe)
+        application.router.add_get("/{path:.*}", self._query)
         application.on_shutdown.append(self._disconnect)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=CLOSE_S)
         await runner.setup()
@@ -92,16 +100,13 @@ class WebServer:
         return runner
 
     def _publish(self, outgoing: Outgoing) -> None:
-        if outgoing.kind in RETAINED:
-            self._retained[outgoing.surface, outgoing.kind] = outgoing
         for client in self._clients:
             client.put(outgoing)
 
     async def _subscribe(self, request: web.Request) -> web.StreamResponse:
-        why = self._access.refusal(request.headers.get("Host", ""), request.headers.get("Origin"))
-        if why is not None:
-            log.debug("web: refused %s: %s", request.remote, why)
-            return web.Response(status=403, text=why + "\n")
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
         if len(self._clients) >= MAX_CLIENTS:
             return web.Response(status=503, text=f"at most {MAX_CLIENTS} clients can connect\n")
         answer = web.WebSocketResponse(
@@ -114,14 +119,42 @@ class WebServer:
         await self._serve(answer, request.transport, request.remote or "")
         return answer
 
+    async def _query(self, request: web.Request) -> web.Response:
+        """Answer OSCQuery: a part of the namespace, one attribute of it, or the host's facts."""
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
+        wanted = request.query_string
+        if wanted == "HOST_INFO":
+            return web.json_response(host_info(self._node, self._control_port))
+        root = tree([*self.nodes(), *stream_nodes(list(self._latest.values()))])
+        found = find(root, request.path)
+        if found is None:
+            return web.Response(status=404, text="there is no such address; / lists them all\n")
+        if not wanted:
+            return web.json_response(found)
+        if wanted not in (*ATTRIBUTES, "TYPE", "FULL_PATH", "CONTENTS"):
+            return web.Response(status=400, text="unknown attribute\n")
+        if wanted not in found:
+            return web.Response(status=204)
+        return web.json_response({wanted: found[wanted]})
+
+    def _refusal(self, request: web.Request) -> web.Response | None:
+        why = self._access.refusal(request.headers.get("Host", ""), request.headers.get("Origin"))
+        if why is None:
+            return None
+        log.debug("web: refused %s: %s", request.remote, why)
+        return web.Response(status=403, text=why + "\n")
+
     async def _serve(
         self, answer: web.WebSocketResponse, transport: asyncio.Transport | None, host: str
     ) -> None:
         client = Subscriber(answer, transport)
         self._clients.add(client)
         sending = asyncio.create_task(client.run())
-        for outgoing in self._retained.values():
-            client.put(outgoing)
+        for outgoing in list(self._latest.values()):
+            if outgoing.kind in RETAINED:
+                client.put(outgoing)
         try:
             async for message in answer:
                 if message.type == WSMsgType.ERROR:

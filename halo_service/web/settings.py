@@ -19,6 +19,8 @@ class WebSettings:
     """Address to listen on; 0.0.0.0 lets other machines connect."""
     port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_WEB_PORT
     """TCP port; a free one is used where it is in use."""
+    announce: bool = True
+    """Announce this server and the control port by mDNS, each where its `host` can be reached."""
     hosts: tuple[str, ...] = ()
     """Names or addresses under which other machines open this server, such as `table.local`."""
     origins: tuple[str, ...] = ()

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from halo_protocol.handshake import GOODBYE, HELLO, LEASE
+from halo_protocol.handshake import CONTROL, GOODBYE, HELLO, LEASE
 from halo_service.app.service.commands import (
     LEAST_STATUS,
     STATUS,
@@ -21,19 +21,20 @@ from halo_service.app.service.commands import (
     status,
     with_setting,
 )
+from halo_service.app.service.control_nodes import control_nodes
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage, ControlPort
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.osc import OscOutput
-from halo_service.sensing import State
+from halo_service.sensing import SensingSettings, State
 from halo_service.sources import Source
+from halo_service.web.oscquery import Node
 
 log = logging.getLogger(__name__)
 
 MAX_WARNINGS = 64
 """Different warnings that are logged, each once; any client can send more."""
-CONTROL = "/halo/1/control/"
 SENSING = f"{CONTROL}sensing/"
 """Addresses of the settings of `[sensing]`."""
 
@@ -57,6 +58,7 @@ class ControlHandler:
         self._leases, self._osc = leases, osc
         self._reloader = reloader
         self._paused = paused
+        self._settings = SensingSettings()
         self._error = ""
         """Why the last command failed; empty: it did not."""
         self._warned: set[str] = set()
@@ -86,7 +88,13 @@ class ControlHandler:
                 self._warn(message, str(error))
         self._leases.expire(time.monotonic())
         self._osc.set_leased(self._leases.destinations)
+        self._settings = state.settings
         return self._reloader.refresh(state)
+
+    def nodes(self) -> list[Node]:
+        """Return what clients can send, for OSCQuery; from any thread."""
+        profile = self._reloader.profile
+        return list(control_nodes(self._settings, profile.name if profile else ""))
 
     def _row(self, address: str) -> Row:
         if address.startswith(SENSING):

@@ -37,6 +37,7 @@ from halo_service.settings import Settings
 from halo_service.sources import Source
 
 if TYPE_CHECKING:
+    from halo_service.web.announcement import Announcement
     from halo_service.web.server import WebServer
 
 log = logging.getLogger(__name__)
@@ -83,6 +84,12 @@ def serve(settings: Settings) -> None:
             reloader.watch,
             paused=paused,
         )
+        if web is not None:
+            web.nodes = handler.nodes
+            if settings.web.announce:
+                facts = {"surface": surface, "rate_hz": f"{source.camera.fps:g}"}
+                announcement = _announce(settings, names, web, control, **facts)
+                stack.callback(announcement.close)
         stop_on_signals(loop.stop)
         _log_start(settings, source, profile, node, control.port, web.url if web else "")
         loop.run()
@@ -146,9 +153,21 @@ def _web(
         return None
     from halo_service.web.server import WebServer
 
-    server = WebServer(settings.web, names.node, names.session, control.put)
+    server = WebServer(settings.web, names.node, names.session, control.put, control.port)
     stack.callback(server.close)
     return server
+
+
+def _announce(
+    settings: Settings, names: NameWatch, web: WebServer, control: ControlPort, **facts: str
+) -> Announcement:
+    from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port
+
+    ports = [
+        Port(OSC, settings.control.host, control.port),
+        Port(OSCQUERY, settings.web.host, web.port),
+    ]
+    return Announcement(names.node, names.session, ports, facts)
 
 
 def destinations(settings: Settings) -> list[Destination]:

@@ -1,0 +1,60 @@
+"""Services are found by name on the loopback, and only where their ports are open."""
+
+from __future__ import annotations
+
+import time
+from contextlib import closing
+
+import pytest
+from zeroconf import IPVersion, ServiceInfo, Zeroconf
+
+from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port, _addresses
+
+PATIENCE_S = 15.0
+
+
+def found(kind: str) -> ServiceInfo | None:
+    with closing(Zeroconf(interfaces=["127.0.0.1"], ip_version=IPVersion.V4Only)) as browser:
+        until = time.monotonic() + PATIENCE_S
+        info = None
+        while info is None and time.monotonic() < until:
+            info = browser.get_service_info(kind, f"halo-test.{kind}", timeout=1000)
+        return info
+
+
+def test_a_service_is_found_by_name_until_it_ends() -> None:
+    ports = [Port(OSC, "127.0.0.1", 4257), Port(OSCQUERY, "127.0.0.1", 4258)]
+    facts = {"surface": "table", "rate_hz": "30"}
+    with closing(Announcement("halo-test", "s1", ports, facts)):
+        for kind, _, number in ports:
+            info = found(kind)
+            assert info is not None
+            assert (info.port, info.parsed_addresses()) == (number, ["127.0.0.1"])
+            assert info.decoded_properties == {"node": "halo-test", "session": "s1", **facts}
+    with closing(Zeroconf(interfaces=["127.0.0.1"], ip_version=IPVersion.V4Only)) as browser:
+        assert browser.get_service_info(OSC, f"halo-test.{OSC}", timeout=500) is None
+
+
+@pytest.mark.parametrize(
+    ("host", "addresses"),
+    [
+        ("127.0.0.1", ["127.0.0.1"]),
+        ("localhost", ["127.0.0.1"]),
+        ("192.0.2.7", ["192.0.2.7"]),
+        ("::1", []),
+        ("table.local", []),
+    ],
+)
+def test_only_addresses_that_are_open_are_announced(host: str, addresses: list[str]) -> None:
+    assert _addresses(host) == addresses
+
+
+def test_an_open_service_is_announced_under_every_address_but_the_loopback() -> None:
+    assert "127.0.0.1" not in _addresses("0.0.0.0")
+
+
+def test_what_cannot_be_announced_costs_a_line(caplog: pytest.LogCaptureFixture) -> None:
+    too_long = "halo-test" * 10
+    with closing(Announcement(too_long, "s1", [Port(OSC, "127.0.0.1", 1)], {})):
+        pass
+    assert "other programs cannot find this service by name" in caplog.text

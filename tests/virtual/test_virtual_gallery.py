@@ -63,5 +63,9 @@ def test_a_gallery_that_cannot_be_written_is_one_sentence(tmp_path, name, senten
     assert not list(tmp_path.iterdir())
 
 
-def test_one_user_gives_one_gallery(saved):
-    assert (gallery(2, **KIND_ROOM) == cv2.imread(str(saved))).all()
+def test_one_user_gives_one_gallery(tmp_path, monkeypatch):
+    two = {name: MATERIALS[name] for name in ("paper", "foam")}
+    monkeypatch.setattr("halo_service.virtual.gallery.MATERIALS", two)
+    monkeypatch.setattr("halo_service.virtual.gallery.VARIANTS", {})
+    save(tmp_path / "gallery.png", seed=2, **KIND_ROOM)
+    assert (gallery(2, **KIND_ROOM) == cv2.imread(str(tmp_path / "gallery.png"))).all()

@@ -18,6 +18,7 @@ from halo_service.app.commands import (
     demo,
     doctor,
     evaluate,
+    list_services,
     monitor,
     profile,
     record,
@@ -47,6 +48,7 @@ class Command(Protocol):
 COMMANDS: dict[str, Command] = {
     "serve": serve,
     "monitor": monitor,
+    "list": list_services,
     "demo": demo,
     "doctor": doctor,
     "calibrate": calibrate,

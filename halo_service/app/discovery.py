@@ -1,0 +1,123 @@
+"""Finds running services: by mDNS and by Zenoh, on this machine and where the user opened it."""
+
+from __future__ import annotations
+
+import json
+import time
+from contextlib import closing
+from typing import NamedTuple
+
+import zenoh
+from zeroconf import (
+    InterfaceChoice,
+    IPVersion,
+    ServiceBrowser,
+    ServiceInfo,
+    ServiceStateChange,
+    Zeroconf,
+)
+
+import halo_protocol as wire
+from halo_service.errors import UserError
+from halo_service.outputs.settings import LISTEN
+from halo_service.settings import Settings
+from halo_service.web.announcement import OSC
+
+LOOK_S = 1.5
+"""Time in which services answer."""
+
+
+class Service(NamedTuple):
+    """One running service."""
+
+    node: str
+    surface: str
+    session: str
+    rate_hz: float
+    """Nominal frames per second; 0 if unknown."""
+    by: str
+    """`mdns` or `zenoh`."""
+    address: str
+    """Host and port for control messages, or the Zenoh key of its scene."""
+
+
+def find_services(settings: Settings) -> list[Service]:
+    """Look for a moment. Raises `UserError` where neither way can be used."""
+    return sorted(_by_mdns() + (_by_zenoh(settings) if settings.zenoh.enabled else []))
+
+
+def format_service(service: Service) -> str:
+    """Return a service as one line."""
+    node, surface, _, rate_hz, by, address = service
+    return f"{node}  {surface}  {rate_hz:g} Hz  {by} {address}"
+
+
+def _by_mdns() -> list[Service]:
+    names: set[str] = set()
+
+    def note(zeroconf: Zeroconf, service_type: str, name: str, state_change: object) -> None:
+        del zeroconf, service_type
+        if state_change is not ServiceStateChange.Removed:
+            names.add(name)
+
+    try:
+        browser = Zeroconf(interfaces=InterfaceChoice.All, ip_version=IPVersion.V4Only)
+    except OSError as error:
+        raise UserError(f"mdns: cannot look for services ({error.strerror or error})") from error
+    with closing(browser):
+        ServiceBrowser(browser, OSC, handlers=[note])
+        time.sleep(LOOK_S)
+        infos = [browser.get_service_info(OSC, name) for name in list(names)]
+    return [each for info in infos if info and (each := _service(info)) is not None]
+
+
+def _service(info: ServiceInfo) -> Service | None:
+    """Return an announced service; None for one of another program, or with invalid names."""
+    facts = {key: value or "" for key, value in info.decoded_properties.items()}
+    try:
+        node = wire.check_name(facts["node"], "node")
+        surface = wire.check_surface(facts["surface"])
+        session = wire.check_session(facts["session"])
+        rate_hz = float(facts["rate_hz"])
+        host = info.parsed_addresses()[0]
+    except (LookupError, ValueError):
+        return None
+    return Service(node, surface, session, rate_hz, "mdns", f"{host}:{info.port}")
+
+
+def _by_zenoh(settings: Settings) -> list[Service]:
+    """Ask every reachable service for its scene."""
+    config = zenoh.Config()
+    endpoints = settings.zenoh.connect or settings.zenoh.listen or LISTEN
+    for key, value in (
+        ("mode", "client" if not settings.zenoh.multicast else "peer"),
+        ("connect/endpoints", list(endpoints)),
+        ("connect/timeout_ms", round(LOOK_S * 1000)),
+        ("scouting/multicast/enabled", settings.zenoh.multicast),
+    ):
+        config.insert_json5(key, json.dumps(value))
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError:
+        return []  # nothing listens there
+    found: dict[str, Service] = {}
+    with session:
+        for reply in session.get("halo/1/*/*/scene", timeout=LOOK_S):
+            service = _scene(reply)
+            if service is not None:
+                found[service.address] = service
+    return list(found.values())
+
+
+def _scene(reply: zenoh.Reply) -> Service | None:
+    if reply.ok is None:
+        return None
+    try:
+        messages = wire.decode(reply.ok.payload.to_bytes())
+    except wire.ProtocolError:
+        return None
+    for surface, message in messages:
+        if isinstance(message, wire.Scene):
+            key = str(reply.ok.key_expr)
+            return Service(message.node, surface, message.session, message.rate_hz, "zenoh", key)
+    return None

@@ -61,6 +61,16 @@ def test_each_frame_has_its_truth(take: Path) -> None:
     assert listed == [frame.time_us for frame in frames_of(take)]
 
 
+def test_the_commands_say_that_truth_and_profile_are_absent(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = str(tmp_path / "x.mkv")
+    assert main(["simulate", "demo", "--out", out, "--seconds", "0.1", "--no-colour"]) == 0
+    assert "no ground truth; --truth X.jsonl writes it" in capsys.readouterr().err
+    assert main(["replay", out, "--jsonl", str(tmp_path / "x.jsonl")]) == 0
+    assert "no profile: the frames have no touches; add --profile" in capsys.readouterr().err
+
+
 def test_a_recording_can_be_recorded(take: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy.mkv"
     assert main(["record", str(copy), "--source", f"recording:{take}", "--no-colour"]) == 0

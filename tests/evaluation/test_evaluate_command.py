@@ -101,6 +101,21 @@ def test_cached_recordings_of_labels_are_in_the_plan(
     )
 
 
+@pytest.mark.parametrize(
+    ("sensor", "tasks"), [((), "hover, pointing"), (("--sensor", "kind"), "pointing")]
+)
+def test_cached_recordings_of_another_sensor_are_in_the_plan(
+    sensor: tuple[str, ...], tasks: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for user, task in (("201-wood", "hover"), ("202-paper-kind", "pointing")):
+        (tmp_path / user).mkdir()
+        for name in ("calibration", task):
+            (tmp_path / user / f"{name}.npz").touch()
+    cached = ("--cached-only", "--cache", str(tmp_path), *sensor)
+    assert main(["evaluate", *cached, "--tasks", "juggling"]) == 2
+    assert f"unknown task 'juggling'; choose from: {tasks}\n" in capsys.readouterr().err
+
+
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of an empty table, its truth, and a profile of its room."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SUMMARY = "measure the sensing: on virtual users, a recording or a real table"
 EXAMPLE = "halo evaluate --quick"
 
-STUDY = ("quick", "users", "materials", "tasks", "labels", "cache", "cached_only", "jobs")
+STUDY = ("quick", "users", "materials", "tasks", "labels", "cache", "cached_only", "jobs", "sensor")
 """Options of the study alone."""
 LIVE = ("source", "no_colour")
 """Options of a session on a real table alone."""
@@ -40,6 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", type=_names, default=(), metavar="M,...", help="ours,paper,...")
     parser.add_argument("--users", type=_numbers, default=(), metavar="N,...", help="their seeds")
     parser.add_argument("--materials", type=_names, default=(), metavar="M,...", help="paper,...")
+    parser.add_argument(
+        "--sensor", choices=("true", "kind"), help="of the virtual camera (quick: kind, else true)"
+    )
     parser.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
     parser.add_argument("--labels", type=Path, metavar="DIR", help="touches of real people")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="folder for simulated recordings")
@@ -96,6 +99,7 @@ def _results(options: argparse.Namespace) -> Sequence[Result]:
         options.cache,
         options.cached_only,
         options.jobs,
+        options.sensor,
     )
     return evaluate.evaluate(settings, study)
 

@@ -48,6 +48,8 @@ class StudyOptions:
     cache: Path | None = None
     cached_only: bool = False
     jobs: int | None = None
+    sensor: str | None = None
+    """Of the virtual camera; None: `kind` for the quick study, else `true`."""
 
 
 def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
@@ -131,12 +133,15 @@ def looking(
 def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
     materials = study.choose(options.materials or STUDIED, tuple(MATERIALS), "material")
     if options.cached_only:
-        plan = _cached(cache, options.users, materials)
+        plan = _cached(cache, options.users, materials, options.sensor)
     elif options.quick:
-        plan = study.quick_plan(options.users or study.QUICK_USERS, materials)
+        plan = study.quick_plan(
+            options.users or study.QUICK_USERS, materials, options.sensor or "kind"
+        )
     else:
         files = () if options.labels is None else _label_files(options.labels)
-        plan = study.plan(options.users or study.REPORTED, materials, labels=files)
+        users, sensor = options.users or study.REPORTED, options.sensor or "true"
+        plan = study.plan(users, materials, labels=files, sensor=sensor)
     names = sorted({task.name for tasks in plan.values() for task in tasks})
     wanted = study.choose(options.tasks or tuple(names), tuple(names), "task")
     plan = {
@@ -146,14 +151,16 @@ def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
 
 
 def _cached(
-    cache: RecordingCache, users: Sequence[int], materials: Sequence[str]
+    cache: RecordingCache, users: Sequence[int], materials: Sequence[str], sensor: str | None
 ) -> dict[User, tuple[Task, ...]]:
     """Plan only what the cache holds."""
     plan = {}
     for file in sorted(cache.folder.glob(f"*/{study.CALIBRATION.name}.npz")):
-        seed, _, material = file.parent.name.partition("-")
-        if seed.isdigit() and material in materials and (not users or int(seed) in users):
-            user = User(int(seed), material)
+        seed, material, kind = (*file.parent.name.split("-"), "true", "")[:3]
+        if not seed.isdigit() or material not in materials or sensor not in (None, kind):
+            continue
+        user = User(int(seed), material, kind)
+        if not users or user.seed in users:
             labels = sorted(file.parent.glob(f"{study.LABELS.name}-*.npz"))
             tasks = (*study.ALL_TASKS, *(replace(study.LABELS, name=each.stem) for each in labels))
             plan[user] = tuple(task for task in tasks if cache.has(user, task))

@@ -151,6 +151,7 @@ def plan(
     materials: Sequence[str] = STUDIED,
     tasks: Sequence[Task] = TASKS,
     labels: Sequence[Path] = (),
+    sensor: str = "true",
 ) -> dict[User, tuple[Task, ...]]:
     """Return the full study. `labels`: files of real taps; each user repeats one of them."""
     tasks_of = {}
@@ -160,19 +161,21 @@ def plan(
             mine = [task for task in tasks if once or task.every_material]
             if once and labels:
                 mine.append(labelled(labels[index % len(labels)]))
-            tasks_of[User(seed, material)] = tuple(mine)
+            tasks_of[User(seed, material, sensor)] = tuple(mine)
     return {user: mine for user, mine in tasks_of.items() if mine}
 
 
 def quick_plan(
-    users: Sequence[int] = QUICK_USERS, materials: Sequence[str] = STUDIED
+    users: Sequence[int] = QUICK_USERS,
+    materials: Sequence[str] = STUDIED,
+    sensor: str = "kind",
 ) -> dict[User, tuple[Task, ...]]:
     """Return the small study: each user on one material.
 
-    It compares changes of the code, so it stays on the sensor that its bounds were measured on.
+    It compares changes of the code, so its default is the sensor that its bounds were measured on.
     """
     return {
-        User(seed, own_material(seed, materials), "kind"): tuple(
+        User(seed, own_material(seed, materials), sensor): tuple(
             task for task in QUICK_TASKS if task.every_material or index < QUICK_ONCE
         )
         for index, seed in enumerate(users)

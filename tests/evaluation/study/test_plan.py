@@ -10,6 +10,7 @@ from halo_service.errors import UserError
 from halo_service.evaluation.study import plan as study
 from halo_service.evaluation.study.plan import REPORTED, TASKS, TUNED, User, plan, quick_plan
 from halo_service.virtual.materials import STUDIED
+from halo_service.virtual.sensor_model import SENSORS
 from halo_service.virtual.sim_url import parse_sim_url
 
 
@@ -25,6 +26,13 @@ def test_each_user_does_most_tasks_once_and_the_materials_alternate() -> None:
         if not task.every_material:
             assert [user.seed for user in users] == list(REPORTED)
             assert {user.material for user in users} == set(STUDIED)
+
+
+@pytest.mark.parametrize("sensor", ["kind", "true"])
+def test_the_quick_study_runs_on_either_sensor(sensor: str) -> None:
+    for user, tasks in quick_plan(sensor=sensor).items():
+        asked = {parse_sim_url(user.source(task)).room.sensor for task in tasks}
+        assert asked == {SENSORS[sensor]}
 
 
 def test_tuning_users_are_not_reported() -> None:

@@ -48,8 +48,8 @@ class Command(Protocol):
 COMMANDS: dict[str, Command] = {
     "serve": serve,
     "monitor": monitor,
-    "list": list_services,
     "demo": demo,
+    "list": list_services,
     "doctor": doctor,
     "calibrate": calibrate,
     "verify": verify,

@@ -8,11 +8,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from halo_calibration.base_model import VIRTUAL, pilot_path
+from halo_protocol.osc import padded
 from halo_service.app.calibration_ui.calibrate import missing
+from halo_service.app.service.commands import LEAST_STATUS, STATUS
 from halo_service.errors import UserError
 from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path
 from halo_service.settings import Settings
+
+ANSWER_S = 1.0
+"""Time in which a running service answers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,13 +165,29 @@ def _control(settings: Settings) -> Finding:
         try:
             probe.bind((settings.control.host, settings.control.port))
         except OSError as error:
+            if _is_service(settings.control.host, settings.control.port):
+                return Finding("control port", True, f"a halo service runs at {where}")
             return Finding(
                 "control port",
                 False,
                 f"{where} is in use ({error.strerror})",
-                "a halo service may be running; if not, choose another port: --control-port",
+                "another program has it, so a service uses a free one; or set --control-port",
             )
     return Finding("control port", True, f"{where} is free")
+
+
+def _is_service(host: str, port: int) -> bool:
+    """Ask a port for the status of a service; false if it does not answer in time."""
+    request = padded(STATUS) + padded(",s") + padded("." * LEAST_STATUS)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_DGRAM) as asker:
+        asker.settimeout(ANSWER_S)
+        try:
+            asker.connect((host, port))
+            asker.send(request)
+            return asker.recv(4096).startswith(padded(STATUS))
+        except OSError:
+            return False
 
 
 def _zenoh(settings: Settings) -> Finding:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import socket
+import threading
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.doctor import Finding, examine, format_finding
+from halo_service.app.doctor import Finding, _control, examine, format_finding
+from halo_service.app.service.commands import status
 from halo_service.outputs.settings import ControlSettings, ZenohSettings
 from halo_service.settings import Settings
 
@@ -49,3 +51,22 @@ def test_the_doctor_exits_with_1_when_something_is_missing(
 ) -> None:
     assert main(["doctor", "--profile", "./nowhere"]) == 1
     assert "MISSING profile: there is no profile at" in capsys.readouterr().out
+
+
+def test_a_control_port_that_our_own_service_has_is_no_fault() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as service:
+        service.bind(("127.0.0.1", 0))
+        service.settimeout(10.0)
+        port = service.getsockname()[1]
+
+        def answer() -> None:
+            question, asker = service.recvfrom(4096)
+            reply = status("desk", "s1", "", "", paused=False)
+            assert len(reply) <= len(question)
+            service.sendto(reply, asker)
+
+        answering = threading.Thread(target=answer)
+        answering.start()
+        found = _control(replace(Settings(), control=ControlSettings(port=port)))
+        answering.join()
+    assert (found.good, found.state) == (True, f"a halo service runs at 127.0.0.1:{port}")

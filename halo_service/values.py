@@ -127,12 +127,24 @@ class Signal:
     """Sum of the excess depth over the halo's pixels in the patch, mm px."""
     corrected: float
     """The same, as it would read at the place and angle of the calibration."""
-    dent_mm: float
-    """How deep the surface seems dented under the fingertip, as it would be at the place of the
-    calibration, mm; nan where it is hidden."""
-    pressed_mm: float
-    """The same as it would be at the calibration's pitch too, mm. It decides touch and force; its
-    curve over the pitch is that of touching fingers, so a finger in the air reads otherwise."""
+    readings: tuple[float, ...] = ()
+    """See `sensing.readings`, each as it would be at the place of the calibration; nan where it is
+    hidden."""
+    deviations: tuple[float, ...] = ()
+    """The standard deviation of each by its place, as a share of it."""
+    at_pitch: float = 1.0
+    """What the finger's pitch leaves of a touching finger's halo: it decides touch and force, but a
+    finger in the air reads otherwise."""
+
+    @property
+    def dent_mm(self) -> float:
+        """How deep the surface seems dented where it is deepest; nan where it is hidden."""
+        return self.readings[1] if self.readings else math.nan
+
+    @property
+    def hidden(self) -> bool:
+        """Whether no surface is visible around the fingertip."""
+        return not any(math.isfinite(each) for each in self.readings[1:])
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,8 +172,7 @@ class Diagnostics:
     pitch_deg: float
     yaw_deg: float
     dent_mm: float = math.nan
-    pressed_mm: float = math.nan
-    """As in `Signal`; nan where the dent is hidden, and for methods that read none."""
+    """As in `Signal`; nan where it is hidden, and for methods that read none."""
 
 
 @dataclass(frozen=True, slots=True)

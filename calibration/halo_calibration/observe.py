@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
-from halo_service.sensing.dent import dent_under
 from halo_service.sensing.detections import detections
-from halo_service.sensing.extraction import extract
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
+from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
@@ -45,10 +44,15 @@ class Observation:
     corrected: float
     line_px: int
     """Halo pixels on the finger's line (paper 4.3.6)."""
-    dent_mm: float = math.nan
-    """How deep the surface seems dented under the fingertip, before correction; nan if hidden."""
+    depths_mm: tuple[float, ...] = (math.nan, math.nan, math.nan)
+    """The other readings (see `sensing.readings`), before correction; nan if hidden."""
     width_mm: float = math.nan
     """Of the fingertip; nan where its sides are not clear."""
+
+    @property
+    def readings(self) -> tuple[float, ...]:
+        """All of them, the signal first."""
+        return (self.raw, *self.depths_mm)
 
 
 class Observer:
@@ -79,7 +83,7 @@ class Observer:
             return None
         detection = max(seen, key=lambda each: each.confidence)
         tip = locate(detection, segmentation, frame.depth, profile, THICKNESS_MM)
-        raw = extract(segmentation, tip)
+        raw, *depths_mm = readings(segmentation, tip, profile)
         return Observation(
             frame.time_us,
             detection.side,
@@ -90,7 +94,7 @@ class Observer:
             raw,
             correct(raw, tip, profile.correction),
             _line_pixels(segmentation, tip),
-            dent_under(segmentation, tip, profile),
+            tuple(depths_mm),
             tip.width_mm,
         )
 

@@ -120,5 +120,5 @@ def _state(held: TouchState) -> str:
         what = f"with {held.force_g:g} g ({origin})"
     else:
         what = "with unknown force"
-    dent = f", dent {held.deep_mm:.1f} mm," if held.deep_mm > 0.0 else ""
+    dent = f", dent {held.readings[1]:.1f} mm," if any(held.readings[1:2]) else ""
     return f"{held.signal:.0f} mm px{dent} {what}"

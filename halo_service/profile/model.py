@@ -58,10 +58,13 @@ class TouchState:
     pitch_deg: float = 45.0
     yaw_deg: float = 0.0
     """How the finger pointed."""
-    deep_mm: float = 0.0
-    """Median depth of the dent under the fingertip, corrected likewise; 0 when unknown."""
-    deep_raw_mm: float = 0.0
+    readings: tuple[float, ...] = ()
+    """Medians of all readings (see `sensing.readings`), corrected likewise; all 0 where one was
+    hidden too often. Empty in an older profile: only the signal was calibrated."""
+    raw_readings: tuple[float, ...] = ()
     """The same before correction."""
+    noise: tuple[float, ...] = ()
+    """Standard deviation of each from frame to frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,14 +99,16 @@ class Correction:
     strength: Floats
     """(x, y, pitch, yaw) expected signal over that at the calibration's place and angle."""
     samples: Floats
-    """(N, 6) what the user swept: x and y in mm, pitch and yaw in degrees, raw signal in mm px,
-    dent in mm; nan where the dent was hidden or, in an older profile, not stored."""
+    """(N, 8) what the user swept: x and y in mm, pitch and yaw in degrees, then the readings; nan
+    where one was hidden or, in an older profile, not stored."""
     base: str
     """Name of its base model; empty: the user's samples only."""
-    dent: Floats | None = None
-    """(x, y) depth of a touch's dent over that at the calibration's place; None: not known."""
+    readings: Floats | None = None
+    """(4, x, y) each reading of a touch over that at the calibration's place; None: not known."""
+    deviations: Floats | None = None
+    """(4, x, y) the standard deviation of its logarithm."""
     dent_by_pitch: Floats | None = None
-    """(pitch,) the same over that at the calibration's pitch."""
+    """(pitch,) depth of a touch's dent over that at the calibration's pitch."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

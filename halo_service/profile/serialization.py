@@ -35,11 +35,12 @@ ARRAYS = ("background", "correction")
 """Kinds of array files, and the keys under which the text names them."""
 SURFACE = re.compile(r"(?!(?:control|sim)$)[a-z0-9_-]{1,32}")
 """What a surface may be called: its name is part of every address on the wire."""
+READINGS = 4
 GRID = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
-DENTS = ("dent", "dent_by_pitch")
-"""Arrays of a correction; older ones know nothing of dents."""
-SAMPLE_COLUMNS = 6
-"""Older samples have one less: no dents."""
+DENTS = ("readings", "deviations", "dent_by_pitch")
+"""Arrays of a correction; older ones know only the signal."""
+SAMPLE_COLUMNS, OLD_COLUMNS = 8, 5
+"""Older samples have fewer; only the first five of those are the same."""
 
 
 def _checked_surface(surface: Surface) -> Surface:
@@ -187,11 +188,14 @@ def _correction(text: CorrectionText, folder: Path) -> Correction:
     arrays = _arrays(folder / Path(text.arrays).name, GRID, DENTS)
     read = {name: array.astype(np.float32) for name, array in arrays.items()}
     shape = tuple(len(read[name]) for name in GRID[:4])
-    shapes = {"strength": shape, "dent": shape[:2], "dent_by_pitch": shape[2:3]}
+    shapes = {"strength": shape, "dent_by_pitch": shape[2:3]}
+    shapes |= dict.fromkeys(("readings", "deviations"), (READINGS, *shape[:2]))
     if any(name in read and read[name].shape != wanted for name, wanted in shapes.items()):
         raise ValueError("its correction's grid does not fit its axes")
-    missing = SAMPLE_COLUMNS - read["samples"].shape[1]
-    read["samples"] = np.pad(read["samples"], ((0, 0), (0, missing)), constant_values=np.nan)
+    if read["samples"].shape[1] < SAMPLE_COLUMNS:
+        missing = (0, 0), (0, SAMPLE_COLUMNS - OLD_COLUMNS)
+        known = read["samples"][:, :OLD_COLUMNS]
+        read["samples"] = np.pad(known, missing, constant_values=np.nan)
     return Correction(**read, base=text.base)
 
 

@@ -2,8 +2,8 @@
 
 The paper (4.3.4) predicts the expected touch signal from tip position, pitch and yaw with a
 gradient-boosted regressor. The calibration evaluates that regressor on a grid; here the grid is
-interpolated, and the signal divided by the expected strength at the finger's place. The dent has
-its own curves: what hides part of the patch does not change the dent's depth.
+interpolated, and the signal divided by the expected strength at the finger's place. Each reading
+has its own smooth curve over the place, with its uncertainty.
 """
 
 from __future__ import annotations
@@ -33,16 +33,26 @@ def strength(
     return _read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg))
 
 
-def dent_strength(correction: Correction | None, x_mm: float, y_mm: float) -> float:
-    """Return how deep a touch's dent is there, relative to the calibration's place."""
-    if correction is None or correction.dent is None:
-        return 1.0
-    return _read(correction.dent, (correction.x_mm, correction.y_mm), (x_mm, y_mm))
+def leveled(
+    read: Sequence[float], correction: Correction | None, x_mm: float, y_mm: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return readings as they would be at the calibration's place, and their relative deviations.
+
+    There are no deviations without a sweep.
+    """
+    if correction is None or correction.readings is None or correction.deviations is None:
+        return tuple(read), ()
+    axes = (correction.x_mm, correction.y_mm)
+    values = tuple(
+        each / _read(grid, axes, (x_mm, y_mm))
+        for each, grid in zip(read, correction.readings, strict=False)  # older states have none
+    )
+    return values, tuple(_read(grid, axes, (x_mm, y_mm)) for grid in correction.deviations)
 
 
-def dent_at_pitch(correction: Correction | None, pitch_deg: float) -> float:
-    """Return how deep a touch's dent is at a pitch, relative to the calibration's."""
-    if correction is None or correction.dent_by_pitch is None:
+def at_pitch(correction: Correction | None, pitch_deg: float) -> float:
+    """Return what a pitch leaves of a touch's halo, relative to the calibration's."""
+    if correction is None or correction.readings is None or correction.dent_by_pitch is None:
         return 1.0
     return _read(correction.dent_by_pitch, (correction.pitch_deg,), (pitch_deg,))
 

@@ -1,6 +1,6 @@
-"""Stage 4, as in the paper: the halo's strength in a patch around one fingertip.
+"""Stage 4, as in the paper: the sum of the halo in a patch around one fingertip.
 
-It is used where the depth of the dent is hidden or was not calibrated.
+Its patch is in pixels, so that older profiles keep their meaning; the other readings are in mm.
 """
 
 from __future__ import annotations

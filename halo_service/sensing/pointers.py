@@ -11,9 +11,11 @@ import numpy as np
 
 from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
+from halo_service.sensing.detector import CONTACT_LEVEL
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import FORCE_UNKNOWN_G, force, touch_pressure
 from halo_service.sensing.settings import SensingSettings
+from halo_service.sensing.states import certainty
 from halo_service.values import (
     Contact,
     Diagnostics,
@@ -153,7 +155,9 @@ def describe(
         force_g=force(pressure, states) if contact.touching else _no_force(states),
         vx_mm_s=0.0,
         vy_mm_s=0.0,
-        confidence=tip.confidence * (HIDDEN_CONFIDENCE if math.isnan(signal.dent_mm) else 1.0),
+        confidence=tip.confidence
+        * (HIDDEN_CONFIDENCE if signal.hidden else 1.0)
+        * certainty(signal, level, CONTACT_LEVEL, states),
         contacts=contact.count,
         diagnostics=Diagnostics(
             camera_mm=tip.camera_mm,
@@ -165,7 +169,6 @@ def describe(
             pitch_deg=tip.pitch_deg,
             yaw_deg=tip.yaw_deg,
             dent_mm=signal.dent_mm,
-            pressed_mm=signal.pressed_mm,
         ),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from halo_service.profile import TouchStates
-from halo_service.sensing.states import interpolate, readings
+from halo_service.sensing.states import between, interpolate
 from halo_service.values import Signal
 
 LEAST_PRESSURE = 0.02
@@ -26,7 +26,7 @@ def touch_pressure(signal: Signal, states: TouchStates) -> float:
     if not 0.0 <= touch_g < press_g:
         touch_g, press_g = TOUCH_G, PRESS_G
     contact = interpolate(
-        *readings(signal, touch, press), float(touch_g**GROWTH), float(press_g**GROWTH)
+        between(signal, touch, press), 0.0, 1.0, float(touch_g**GROWTH), float(press_g**GROWTH)
     )
     force_g = float(max(contact, 0.0) ** (1.0 / GROWTH))
     return max((force_g - touch_g) / (press_g - touch_g), LEAST_PRESSURE)

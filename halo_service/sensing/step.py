@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 from halo_service.profile import Profile
 from halo_service.sensing.association import associate
 from halo_service.sensing.background import Drift, follow_drift
-from halo_service.sensing.correction import correct, dent_at_pitch, dent_strength
+from halo_service.sensing.correction import at_pitch, correct, leveled
 from halo_service.sensing.debounce import debounce
-from halo_service.sensing.dent import dent_under
 from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
-from halo_service.sensing.extraction import extract
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
+from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
@@ -113,11 +112,10 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
 
 def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:
     """Read the halo around one fingertip."""
-    raw = extract(segmentation, tip)
-    correction = profile.correction
-    dent_mm = dent_under(segmentation, tip, profile) / dent_strength(correction, *tip.pad_mm)
-    pressed_mm = dent_mm / dent_at_pitch(correction, tip.pitch_deg)
-    return Signal(raw, correct(raw, tip, correction), dent_mm, pressed_mm)
+    read, correction = readings(segmentation, tip, profile), profile.correction
+    values, deviations = leveled(read, correction, *tip.pad_mm)
+    turned = at_pitch(correction, tip.pitch_deg)
+    return Signal(read[0], correct(read[0], tip, correction), values, deviations, turned)
 
 
 def adopt(state: State, profile: Profile) -> State:

@@ -16,7 +16,7 @@ def test_each_state_is_shown_with_its_dent_where_it_is_known(
     profile: Profile, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert profile.touch is not None
-    dented = replace(profile.touch.touch, deep_mm=11.04, deep_raw_mm=12.0)
+    dented = replace(profile.touch.touch, readings=(2000.0, 11.04, 7.0, 3.0))
     save(replace(profile, touch=replace(profile.touch, touch=dented)), tmp_path / "desk")
     assert main(["profile", "show", str(tmp_path / "desk")]) == 0
     printed = capsys.readouterr().out.splitlines()

@@ -28,7 +28,7 @@ Hold = Callable[..., HoldObservations]
 def hold() -> Hold:
     """A held state: `raw` mm px with some noise, all 60 frames, by default.
 
-    Its dent is a 200th of the signal, or `dent_mm` and to and fro by `sways_mm`, and not seen in
+    Its depths are a 200th of the signal, or `dent_mm` and to and fro by `sways_mm`, and not seen in
     the first `hidden` frames.
     """
 
@@ -59,7 +59,7 @@ def hold() -> Hold:
                 max(raw + rng.normal(0.0, noise), 0.0),
                 0.0,
                 5,
-                math.nan if n < hidden else deep_mm + sways_mm * (-1) ** n,
+                (math.nan if n < hidden else deep_mm + sways_mm * (-1) ** n,) * 3,
                 13.0,
             )
             for n in range(count)

@@ -257,7 +257,7 @@ def test_a_name_lives_in_the_data_folder_and_a_path_where_it_says() -> None:
 def test_the_text_can_be_read_by_a_person(profile: Profile, tmp_path: Path) -> None:
     save(profile, tmp_path)
     data = json.loads((tmp_path / "profile.json").read_text())
-    assert data["touch"] == asdict(profile)["touch"]
+    assert data["touch"] == json.loads(json.dumps(asdict(profile)["touch"]))
     assert data["camera"]["serial"] == "A1"
 
 
@@ -270,9 +270,10 @@ def swept(profile: Profile) -> Profile:
         correction=Correction(
             x, y, pitch, yaw,
             strength=rng.uniform(size=(4, 3, 2, 5)).astype(np.float32),
-            samples=rng.uniform(size=(7, 6)).astype(np.float32),
+            samples=rng.uniform(size=(7, 8)).astype(np.float32),
             base="pilots",
-            dent=rng.uniform(size=(4, 3)).astype(np.float32),
+            readings=rng.uniform(size=(4, 4, 3)).astype(np.float32),
+            deviations=rng.uniform(size=(4, 4, 3)).astype(np.float32),
             dent_by_pitch=rng.uniform(size=2).astype(np.float32),
         ),
     )  # fmt: skip
@@ -282,30 +283,39 @@ def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path
     kept = swept(profile)
     save(kept, tmp_path)
     loaded = load(tmp_path).correction
-    for name in ("x_mm", "yaw_deg", "strength", "samples", "dent", "dent_by_pitch"):
+    for name in (
+        "x_mm",
+        "yaw_deg",
+        "strength",
+        "samples",
+        "readings",
+        "deviations",
+        "dent_by_pitch",
+    ):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(kept.correction, name))
 
 
-def test_a_profile_from_before_dents_is_read_and_knows_none(
-    profile: Profile, tmp_path: Path
+@pytest.mark.parametrize("columns", [5, 6], ids=["the signal alone", "signal and dent"])
+def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
+    profile: Profile, tmp_path: Path, columns: int
 ) -> None:
     known = swept(profile).correction
     assert known is not None
-    old = replace(known, samples=known.samples[:, :5], dent=None, dent_by_pitch=None)
+    old = replace(known, samples=known.samples[:, :columns], readings=None, deviations=None)
     save(replace(profile, correction=old), tmp_path)
     file = tmp_path / "profile.json"
     text = json.loads(file.read_text(encoding="utf-8"))
     for state in ("hover", "subtle", "touch", "pressure"):
         held = text["touch"][state]
-        del held["deep_mm"], held["deep_raw_mm"]
-        held["dent_mm"] = 9.0
+        del held["readings"], held["raw_readings"], held["noise"]
+        held["deep_mm"] = held["deep_raw_mm"] = 9.0
     file.write_text(json.dumps(text), encoding="utf-8")
     loaded = load(tmp_path)
     assert loaded.touch is not None and loaded.correction is not None
     assert loaded.touch == profile.touch
-    assert (loaded.correction.dent, loaded.correction.dent_by_pitch) == (None, None)
-    np.testing.assert_array_equal(loaded.correction.samples[:, :5], old.samples)
-    assert np.isnan(loaded.correction.samples[:, 5]).all()
+    assert (loaded.correction.readings, loaded.correction.deviations) == (None, None)
+    np.testing.assert_array_equal(loaded.correction.samples[:, :5], old.samples[:, :5])
+    assert np.isnan(loaded.correction.samples[:, 5:]).all()
 
 
 def test_a_profile_that_another_program_writes_is_one_sentence(

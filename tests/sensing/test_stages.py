@@ -19,7 +19,7 @@ from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.silhouette import silhouette_end
-from halo_service.sensing.states import interpolate, touch_level
+from halo_service.sensing.states import certainty, interpolate, span, touch_level
 from halo_service.values import Finger, Fingertip, Side, Signal
 
 SETTINGS = SensingSettings()
@@ -33,13 +33,30 @@ def tip_at(x: float, y: float, top_mm: float = 14.0) -> Fingertip:
     )
 
 
+NOISE = (1e6, 0.1, 0.1, 0.1)
+"""The sum is too noisy to count."""
+
+
+def read(total: float, dent_mm: float) -> tuple[float, ...]:
+    return total, dent_mm, 0.6 * dent_mm, 0.3 * dent_mm
+
+
+def signal(dent_mm: float, total: float = 0.0) -> Signal:
+    return Signal(total, total, read(total, dent_mm))
+
+
 @pytest.fixture
 def dented(profile: Profile) -> TouchStates:
-    """The drawn states with their dents."""
+    """The drawn states with all their readings: the sum, and three depths of the same halo."""
     assert profile.touch is not None
     dents = {"hover": 5.0, "subtle": 10.0, "touch": 11.0, "pressure": 15.0}
     states = profile.touch
-    held = {name: replace(getattr(states, name), deep_mm=dent) for name, dent in dents.items()}
+    held = {
+        name: replace(
+            getattr(states, name), readings=read(getattr(states, name).signal, dent), noise=NOISE
+        )
+        for name, dent in dents.items()
+    }
     return replace(states, **held)
 
 
@@ -69,21 +86,27 @@ def test_segmentation_separates_halo_from_hand(excess_mm: float, halo: bool, han
 
 @pytest.mark.parametrize(
     ("x", "y", "share"),
-    [(320, 288, 1.0), (0, 0, 1.0), (639, 575, 1.0), (-12, 50, 60 / LEAST_FREE_PX), (-100, 50, 0.0)],
+    [
+        (320, 288, 1.0),
+        (0, 0, 1.0),
+        (639, 575, 1.0),
+        (-12, 50, 60 / LEAST_FREE_PX),
+        (-100, 50, 0.0),
+    ],
     ids=["inside", "top left corner", "bottom right corner", "almost outside", "outside"],
 )
 def test_what_is_left_of_a_patch_is_scaled_to_all_of_it(x: float, y: float, share: float) -> None:
     segmentation = segment(np.full((576, 640), 10.0, np.float32), SETTINGS, 8.0)
-    signal = extract(segmentation, tip_at(x, y))
-    assert signal == pytest.approx(share * 10.0 * FREE_PX)
+    total = extract(segmentation, tip_at(x, y))
+    assert total == pytest.approx(share * 10.0 * FREE_PX)
 
 
 @pytest.mark.parametrize("hidden", [slice(0, 0), slice(278, 283), slice(288, 298)])
 def test_what_a_hand_hides_of_a_halo_is_compensated(hidden: slice) -> None:
     excess = np.full((576, 640), 10.0, np.float32)
     excess[hidden] = -30.0
-    signal = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
-    assert signal == pytest.approx(10.0 * FREE_PX)
+    total = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert total == pytest.approx(10.0 * FREE_PX)
 
 
 @pytest.mark.parametrize("yaw_deg", [0.0, 30.0, 90.0, -135.0])
@@ -102,8 +125,8 @@ def test_the_patch_lies_across_the_finger_wherever_it_points(yaw_deg: float) -> 
 def test_pixels_under_the_threshold_are_not_summed() -> None:
     excess = np.full((576, 640), 7.9, np.float32)
     excess[288, 320] = 12.0
-    signal = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
-    assert signal == pytest.approx(12.0 * FREE_PX / 600)
+    total = extract(segment(excess, SETTINGS, 8.0), tip_at(320, 288))
+    assert total == pytest.approx(12.0 * FREE_PX / 600)
 
 
 def test_interpolation_is_the_papers_equation() -> None:
@@ -117,13 +140,38 @@ def test_the_level_is_0_at_subtle_and_1_at_touch(
 ) -> None:
     assert profile.touch is not None
     total = 1500.0 + share * 500.0
-    deep_mm = dented.subtle.deep_mm + share * (dented.touch.deep_mm - dented.subtle.deep_mm)
-    half_hidden = Signal(0.0, 0.0, NAN, deep_mm)
-    assert touch_level(half_hidden, dented) == pytest.approx(share)
-    without_a_dent = Signal(total, total, NAN, NAN)
-    assert touch_level(without_a_dent, dented) == pytest.approx(share)
-    older = profile.touch  # calibrated before dents were
-    assert touch_level(Signal(total, total, 3.0, 3.0), older) == pytest.approx(share)
+    deep_mm = 10.0 + share
+    assert touch_level(signal(deep_mm), dented) == pytest.approx(share)
+    flat = replace(signal(deep_mm * 0.8), at_pitch=0.8)
+    assert touch_level(flat, dented) == pytest.approx(share)
+    one_hidden = replace(signal(deep_mm), readings=(0.0, NAN, 0.6 * deep_mm, NAN))
+    assert touch_level(one_hidden, dented) == pytest.approx(share)
+    all_hidden = replace(signal(NAN, total), readings=(total, NAN, NAN, NAN))
+    assert touch_level(all_hidden, dented) == pytest.approx(share)
+    older = profile.touch  # calibrated before there were several readings
+    assert touch_level(signal(3.0, total), older) == pytest.approx(share)
+
+
+def test_a_reading_weighs_what_it_is_worth_between_the_two_states(dented: TouchStates) -> None:
+    """The first depth saturates with force, the second varies over the sweep."""
+    touch = replace(dented.touch, readings=(2000.0, 11.0, 6.6, 3.3))
+    press = replace(dented.pressure, readings=(3000.0, 11.05, 9.0, 4.5))
+    now = replace(signal(11.0), deviations=(0.01, 0.01, 0.2, 0.01))
+    weights = span(now, touch, press).weights
+    assert sum(weights) == pytest.approx(1.0)
+    assert weights[1] == 0.0
+    assert weights[3] > 10.0 * weights[2] > 0.0
+
+
+@pytest.mark.parametrize(("level", "least"), [(0.5, 0.5), (0.6, 0.6), (2.0, 0.99), (-1.0, 0.99)])
+def test_a_level_is_surer_the_farther_it_is_from_the_middle(
+    dented: TouchStates, level: float, least: float
+) -> None:
+    now = replace(signal(10.5), deviations=(0.02,) * 4)
+    sure = certainty(now, level, 0.5, dented)
+    assert least <= sure <= 1.0
+    vague = replace(now, deviations=(0.2,) * 4)
+    assert certainty(vague, level, 0.5, dented) <= sure
 
 
 def levels(*values: float, speed_mm_s: float = 0.0) -> list[Detector]:
@@ -229,7 +277,7 @@ def test_a_delayed_up_has_the_time_of_its_first_frame() -> None:
 )
 def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: float) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(Signal(0.0, 0.0, dent_mm, NAN), tip, dented) == pytest.approx(height_mm)
+    assert hover_height(signal(dent_mm), tip, dented) == pytest.approx(height_mm)
 
 
 def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
@@ -239,9 +287,7 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
     dents = [0.0] * 10 + [0.02 * n for n in range(551)]
     own = [35.0 + 3.0 - n for n in range(10)] + [24.0] * 551
     tips = [tip_at(320, 288, 14.0 + mm) for mm in own]
-    heights = [
-        hover_height(Signal(0.0, 0.0, d, NAN), t, dented) for d, t in zip(dents, tips, strict=True)
-    ]
+    heights = [hover_height(signal(d), t, dented) for d, t in zip(dents, tips, strict=True)]
     falls = -np.diff(heights)
     assert np.all(falls >= -1e-9)
     assert falls.max() <= 5.0
@@ -250,13 +296,11 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
 
 def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:
     assert profile.touch is not None
-    assert (
-        hover_height(Signal(900.0, 900.0, 7.0, 7.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
-    )
+    assert hover_height(signal(7.0, 900.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
 
 
 @pytest.mark.parametrize(
-    ("signal", "pressure", "grams"),
+    ("total", "pressure", "grams"),
     [
         (2000.0, 0.02, 25.0),
         (1800.0, 0.02, 25.0),
@@ -267,18 +311,18 @@ def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -
     ],
 )
 def test_pressure_and_force(
-    profile: Profile, dented: TouchStates, signal: float, pressure: float, grams: float
+    profile: Profile, dented: TouchStates, total: float, pressure: float, grams: float
 ) -> None:
     assert profile.touch is not None
-    by_sum = touch_pressure(Signal(signal, signal, NAN, NAN), dented)
-    by_dent = touch_pressure(Signal(0.0, 0.0, NAN, 11.0 + (signal - 2000.0) / 250.0), dented)
+    by_sum = touch_pressure(Signal(total, total, (total, NAN, NAN, NAN)), dented)
+    by_dent = touch_pressure(signal(11.0 + (total - 2000.0) / 250.0), dented)
     assert (by_sum, by_dent) == pytest.approx((pressure, pressure), abs=0.001)
-    assert touch_pressure(Signal(signal, signal, 3.0, 3.0), profile.touch) == by_sum
+    assert touch_pressure(signal(3.0, total), profile.touch) == by_sum
     assert force(by_sum, profile.touch) == pytest.approx(grams, abs=0.1)
 
 
 def test_pressure_grows_with_the_halo(dented: TouchStates) -> None:
-    pressures = [touch_pressure(Signal(0.0, 0.0, NAN, 11.2 + 0.1 * n), dented) for n in range(80)]
+    pressures = [touch_pressure(signal(11.2 + 0.1 * n), dented) for n in range(80)]
     assert np.all(np.diff(pressures) > 0.0)
 
 

@@ -60,7 +60,7 @@ def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> 
     Raises `Refused` where the wedge's own angle has too few samples.
     """
     wedge = [samples for angle, samples in rounds if angle == WEDGE_DEG]
-    level = np.concatenate(wedge)[:, 4:] if wedge else np.empty((0, 2))
+    level = np.concatenate(wedge)[:, 4:6] if wedge else np.empty((0, 2))
     if len(level) < LEAST_SAMPLES:
         raise Refused(
             f"only {len(level)} usable frames came at {WEDGE_DEG:.0f} degrees: keep the finger "

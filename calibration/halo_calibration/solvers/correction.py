@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from halo_calibration.solvers.dents import by_pitch, by_place
-from halo_calibration.solvers.sweep import Samples
+from halo_calibration.solvers.sweep import COLUMNS, Samples
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Correction
 
@@ -68,7 +68,7 @@ class Model:
     """Expected relative signal over x, y, pitch and yaw: the base's prediction, then the user's."""
 
     def __init__(self, surface: Surface, base: Base | None, samples: Samples | None) -> None:
-        """`samples`: (N, 6) the user's sweep, or None before it."""
+        """`samples`: (N, 8) the user's sweep, or None before it."""
         self._middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0])
         self._base = None if base is None else boosted(base.relative[:, :4], base.relative[:, 4])
         self._user = None
@@ -99,8 +99,12 @@ def solve_correction(
     shape = tuple(len(axis) for axis in axes)
     expected = model.expect(grid).reshape(shape)
     here = _Grid(axes, expected).at(np.array([[at.x_mm, at.y_mm, at.pitch_deg, at.yaw_deg]]))[0]
-    known = np.empty((0, 6)) if samples is None else samples
+    known = np.empty((0, COLUMNS)) if samples is None else samples
     pilots = np.empty((0, 6)) if base is None else base.relative
+    places = [
+        by_place(known, axes[0], axes[1], (at.x_mm, at.y_mm), column)
+        for column in range(4, COLUMNS)
+    ]
     x_mm, y_mm, pitch_deg, yaw_deg = (axis.astype(np.float32) for axis in axes)
     return Correction(
         x_mm,
@@ -108,7 +112,8 @@ def solve_correction(
         pitch_deg,
         yaw_deg,
         strength=(expected / here).astype(np.float32),
-        dent=by_place(known, axes[0], axes[1], (at.x_mm, at.y_mm)).astype(np.float32),
+        readings=np.stack([each.strength for each in places]).astype(np.float32),
+        deviations=np.stack([each.deviation for each in places]).astype(np.float32),
         dent_by_pitch=by_pitch(pilots, axes[2], at.pitch_deg).astype(np.float32),
         samples=known.astype(np.float32),
         base="" if base is None else base.name,
@@ -132,7 +137,9 @@ def relative(samples: Samples, surface: Surface, level: tuple[float, float]) -> 
     `level`: of signal, mm px, and dent, mm.
     """
     middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0, 0.0, 0.0])
-    return np.asarray((samples - middle) / (1.0, 1.0, 1.0, 1.0, *level), dtype=np.float64)
+    return np.asarray(
+        (samples[:, : len(middle)] - middle) / (1.0, 1.0, 1.0, 1.0, *level), dtype=np.float64
+    )
 
 
 class _Grid:

@@ -1,6 +1,6 @@
-"""From sweeps to how deep a touch's dent is over place and pitch. Pure.
+"""From sweeps to how each reading of a touch changes over place and pitch. Pure.
 
-The dent is smooth, and its depth gives touch and force: one per cent of it is twenty grams. A
+The halo is smooth, and its depth gives touch and force: one per cent of it is twenty grams. A
 regressor's steps are larger than that, so smooth curves are fitted: over the place from the user's
 own sweep, over the pitch, where the wedge covers one value only, from the base model.
 """
@@ -8,6 +8,7 @@ own sweep, over the pitch, where the wedge covers one value only, from the base 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,24 +38,52 @@ KNOWN_PITCH_DEG = (30.0, 60.0)
 """Between the outermost wedges but one; beyond them fingers are misread, and the curve stays."""
 
 
-def by_place(samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, float]) -> Floats:
-    """Return the (x, y) grid of a touch's dent over that at a place; ones for too few samples.
+@dataclass(frozen=True, slots=True, eq=False)
+class ByPlace:
+    """One reading of a touch over the surface."""
 
-    Beyond where the finger was drawn, the edge goes on.
+    strength: Floats
+    """(x, y) over that at a place."""
+    deviation: Floats
+    """(x, y) standard deviation of its logarithm: of the curve, and of one frame around it."""
+
+
+def by_place(
+    samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, float], column: int = 5
+) -> ByPlace:
+    """Return the grid of a touch's reading, in a column of the samples, over that at a place.
+
+    Beyond where the finger was drawn, the edge goes on. Too few samples correct nothing.
     """
-    seen = _usable(samples)
+    seen = _usable(samples, column)
     if len(seen) < LEAST_SAMPLES:
-        return np.ones((len(x_mm), len(y_mm)))
+        return ByPlace(np.ones((len(x_mm), len(y_mm))), np.ones((len(x_mm), len(y_mm))))
     low, high = np.percentile(seen[:, :2], (1.0, 99.0), axis=0)
     middle = (low + high) / 2.0
 
     def terms(places: Floats) -> Floats:
         return _plane((np.clip(places, low, high) - middle) * PER_MM)
 
-    weights = _fitted(terms(seen[:, :2]), np.log(seen[:, 5]), PLANE)
+    fit = _fitted(terms(seen[:, :2]), np.log(seen[:, column]), PLANE)
     grid = np.stack(np.meshgrid(x_mm, y_mm, indexing="ij"), axis=-1).reshape(-1, 2)
-    strength = np.exp(terms(grid) @ weights - terms(np.array([at])) @ weights)
-    return np.asarray(strength.reshape(len(x_mm), len(y_mm)))
+    change = terms(grid) - terms(np.array([at]))
+    of_curve = np.einsum("ni,ij,nj->n", change, fit.covariance, change)
+    shape = len(x_mm), len(y_mm)
+    return ByPlace(
+        np.exp(change @ fit.weights).reshape(shape),
+        np.sqrt(of_curve + fit.variance).reshape(shape),
+    )
+
+
+def least_variation(samples: Samples) -> float:
+    """Return what the place leaves unexplained of the steadiest reading, as a share of it."""
+    middle = np.median(samples[:, :2], axis=0)
+    x_mm, y_mm = middle[:1], middle[1:]
+    at = float(middle[0]), float(middle[1])
+    return min(
+        float(by_place(samples, x_mm, y_mm, at, column).deviation[0, 0])
+        for column in range(4, samples.shape[1])
+    )
 
 
 def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
@@ -62,7 +91,7 @@ def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
 
     `samples`: of a base model.
     """
-    seen = _usable(samples)
+    seen = _usable(samples, 5)
     if len(seen) < LEAST_SAMPLES:
         return np.ones(len(pitch_deg))
 
@@ -75,12 +104,12 @@ def by_pitch(samples: Samples, pitch_deg: Floats, at_deg: float) -> Floats:
         np.column_stack([_plane(seen[:, :2] * PER_MM), terms(seen[:, 2])]),
         np.log(seen[:, 5]),
         [*PLANE, *range(1, ORDER + 1)],
-    )[-ORDER:]
+    ).weights[-ORDER:]
     return np.asarray(np.exp(terms(pitch_deg) @ weights - terms(np.array([at_deg])) @ weights))
 
 
-def _usable(samples: Samples) -> Samples:
-    return samples[samples[:, 5] > 0.0]  # false for nan: hidden
+def _usable(samples: Samples, column: int) -> Samples:
+    return samples[samples[:, column] > 0.0]  # false for nan: hidden
 
 
 def _plane(places: Floats) -> Floats:
@@ -89,8 +118,16 @@ def _plane(places: Floats) -> Floats:
     return np.column_stack([x**i * y**j for i, j in POWERS])
 
 
-def _fitted(terms: Floats, values: Floats, orders: Sequence[int]) -> Floats:
-    """Return the weights of the terms, by ridge regression without what lies far off.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    weights: Floats
+    covariance: Floats
+    variance: float
+    """Of one sample."""
+
+
+def _fitted(terms: Floats, values: Floats, orders: Sequence[int]) -> _Fit:
+    """Fit the weights of the terms, by ridge regression without what lies far off.
 
     `orders`: of the terms; a constant, 0, is free.
     """
@@ -99,10 +136,9 @@ def _fitted(terms: Floats, values: Floats, orders: Sequence[int]) -> Floats:
     variance = 1.0
     for _ in range(ROUNDS):
         kept = terms[inliers]
-        weights = np.linalg.solve(
-            kept.T @ kept + CORRELATED * variance * prior, kept.T @ values[inliers]
-        )
+        normal = kept.T @ kept + CORRELATED * variance * prior
+        weights = np.linalg.solve(normal, kept.T @ values[inliers])
         off = np.abs(values - terms @ weights)
         sigma = 1.4826 * float(np.median(off[inliers])) + 1e-6
         inliers, variance = off < OUTLIER_SIGMAS * sigma, sigma**2
-    return np.asarray(weights)
+    return _Fit(weights, CORRELATED * variance * np.linalg.inv(normal), variance)

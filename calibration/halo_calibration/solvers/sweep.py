@@ -30,8 +30,9 @@ MOST_LIFTED = 0.25
 """More of these, and the finger was not on the surface."""
 
 Samples = NDArray[np.float64]
-"""(N, 6): x and y in mm, pitch and yaw in degrees, raw signal in mm px, dent in mm; nan where the
-dent was hidden."""
+"""(N, 8): x and y in mm, pitch and yaw in degrees, raw signal in mm px, the other readings in mm;
+nan where one was hidden."""
+COLUMNS = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +47,8 @@ class SweepObservations:
 
 def samples_of(seen: Sequence[Observation]) -> Samples:
     """Return the observations as an array."""
-    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, o.raw, o.dent_mm) for o in seen]
-    return np.array(rows, dtype=np.float64).reshape(-1, 6)
+    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, *o.readings) for o in seen]
+    return np.array(rows, dtype=np.float64).reshape(-1, COLUMNS)
 
 
 def covered(samples: Samples, surface: Surface) -> NDArray[np.int_]:

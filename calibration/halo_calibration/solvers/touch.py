@@ -13,7 +13,7 @@ from halo_calibration.errors import NO_HALO, Refused
 from halo_calibration.observe import THICKNESS_MM, Observation
 from halo_service.profile import Correction, TouchState, TouchStates
 from halo_service.profile.model import Quality
-from halo_service.sensing.correction import dent_strength, strength
+from halo_service.sensing.correction import leveled, strength
 from halo_service.sensing.fingertips import TIP_RADIUS_MM
 
 STATES = ("hover", "subtle", "touch", "pressure")
@@ -35,9 +35,6 @@ GOOD_SIGMAS = 6.0
 """From here on every single frame separates them."""
 NOISE_FLOOR_MM_PX = 10.0
 """No signal is steadier than a pixel that comes and goes at the patch's edge."""
-DENT_FLOOR_MM = 0.2
-"""No dent is steadier than this from frame to frame (chosen: held on a drawn table, one varies by
-0.2 to 0.5 mm)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,22 +126,18 @@ def solve_touch(
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
     Raises `Refused`: a state moved, two overlap or are swapped, or the surface shows no halo.
-    The halo's signal decides. Where the dents separate the states less well, they are left
-    unknown in all four, so that the signal is used instead; the quality is then fair.
+    The halo's signal decides. Where no depth of the halo separates two states, the signal alone is
+    used between them; the quality is then fair.
     """
     middles = {state: check_hold(holds[state]) for state in STATES}
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
         raise Refused(NO_HALO)
     apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
-    dents_mm = _dents(holds)
     hover_mm = state_values.of("hover")[0]
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
     seen = holds["hover"].seen
     states = TouchStates(
-        **{
-            state: _held_state(holds[state], middles[state], dents_mm[state], state_values)
-            for state in STATES
-        },
+        **{state: _held_state(holds[state], middles[state], state_values) for state in STATES},
         line_px_at_hover=float(np.median([each.line_px for each in seen])),
         finger_thickness_mm=_finite([each.top_mm - hover_mm for each in seen], THICKNESS_MM),
         tip_radius_mm=_finite([each.width_mm / 2.0 for each in seen], TIP_RADIUS_MM),
@@ -154,8 +147,20 @@ def solve_touch(
 
 
 def dents_known(states: TouchStates) -> bool:
-    """Say whether touch, force and height are measured by the dent."""
-    return states.pressure.deep_raw_mm > 0.0
+    """Say whether a depth of the halo separates each two neighbouring states."""
+    held = [_known_depths(getattr(states, state)) for state in STATES]
+    return all(
+        any(
+            low and high and _sigmas(low, high) >= APART_SIGMAS
+            for low, high in zip(lower, upper, strict=True)
+        )
+        for lower, upper in pairwise(held)
+    )
+
+
+def _known_depths(state: TouchState) -> list[tuple[float, float] | None]:
+    depths = zip(state.raw_readings[1:], state.noise[1:], strict=True)
+    return [each if each[0] != 0.0 else None for each in depths]
 
 
 def corrected(states: TouchStates, correction: Correction | None) -> TouchStates:
@@ -171,16 +176,15 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
 
 def _through(held: TouchState, correction: Correction | None) -> TouchState:
     if correction is None:
-        return replace(held, signal=held.raw, deep_mm=held.deep_raw_mm)
+        return replace(held, signal=held.raw, readings=held.raw_readings)
     expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
-    deep = dent_strength(correction, held.x_mm, held.y_mm)
-    return replace(held, signal=held.raw / expected, deep_mm=held.deep_raw_mm / deep)
+    readings, _ = leveled(held.raw_readings, correction, held.x_mm, held.y_mm)
+    return replace(held, signal=held.raw / expected, readings=readings)
 
 
-def _held_state(
-    held: HoldObservations, middle: Middle, deep_mm: float, state_values: StateValues
-) -> TouchState:
+def _held_state(held: HoldObservations, middle: Middle, state_values: StateValues) -> TouchState:
     height_mm, force_g, given = state_values.of(held.state)
+    readings, noise = _readings(held)
     return TouchState(
         signal=middle.signal,
         height_mm=height_mm,
@@ -191,24 +195,22 @@ def _held_state(
         y_mm=_median([each.y_mm for each in held.seen]),
         pitch_deg=_median([each.pitch_deg for each in held.seen]),
         yaw_deg=_median([each.yaw_deg for each in held.seen]),
-        deep_mm=deep_mm,
-        deep_raw_mm=deep_mm,
+        readings=readings,
+        raw_readings=readings,
+        noise=noise,
     )
 
 
-def _dents(holds: Mapping[str, HoldObservations]) -> dict[str, float]:
-    """Return the dent's median depth in each state, mm; 0, unknown, in all of them where one state
-    hid it too often, or where two are not as far apart, in order, as signals must be.
-    """
-    read: dict[str, tuple[float, float]] = {}
-    for state in STATES:
-        shown = [each.dent_mm for each in holds[state].seen if math.isfinite(each.dent_mm)]
-        if len(shown) < LEAST_SEEN * holds[state].came:
-            return dict.fromkeys(STATES, 0.0)
-        read[state] = _reading(shown, DENT_FLOOR_MM)
-    if min(_sigmas(read[low], read[high]) for low, high in pairwise(STATES)) < APART_SIGMAS:
-        return dict.fromkeys(STATES, 0.0)
-    return {state: median for state, (median, _) in read.items()}
+def _readings(held: HoldObservations) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the median and deviation of each reading; both 0 where it was often hidden."""
+    medians, noises = [], []
+    for each in zip(*(seen.readings for seen in held.seen), strict=True):
+        shown = [value for value in each if math.isfinite(value)]
+        known = len(shown) >= LEAST_SEEN * held.came
+        median, noise = _reading(shown, 0.0) if known else (0.0, 0.0)
+        medians.append(median)
+        noises.append(noise)
+    return tuple(medians), tuple(noises)
 
 
 def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
@@ -244,7 +246,7 @@ def _reading(values: Sequence[float], floor: float) -> tuple[float, float]:
 
 def _sigmas(low: tuple[float, float], high: tuple[float, float]) -> float:
     """Return how far one median lies above another, in standard deviations of one frame."""
-    return (high[0] - low[0]) / (math.hypot(low[1], high[1]) / math.sqrt(2.0))
+    return (high[0] - low[0]) / max(math.hypot(low[1], high[1]) / math.sqrt(2.0), 1e-9)
 
 
 def _finite(values: Sequence[float], otherwise: float) -> float:

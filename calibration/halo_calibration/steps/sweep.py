@@ -13,6 +13,7 @@ from halo_calibration.solvers.correction import (
     cross_validate,
     solve_correction,
 )
+from halo_calibration.solvers.dents import least_variation
 from halo_calibration.solvers.sweep import (
     GOOD_COVERED,
     Samples,
@@ -43,14 +44,15 @@ def sweep_change(setup: Setup, swept: SweepObservations, profile: Profile) -> Ch
     surface = profile.surface
     samples = check_sweep(swept, surface)
     fit = cross_validate(surface, setup.base, samples)
-    if fit.corrected > fit.raw and fit.corrected > FAIR_CORRECTED:
+    left = min(fit.corrected, least_variation(samples))
+    if left > fit.raw and left > FAIR_CORRECTED:
         raise Refused(
-            f"the halo of the sweep cannot be predicted ({100 * fit.corrected:.0f} % is left of "
+            f"the halo of the sweep cannot be predicted ({100 * left:.0f} % is left of "
             f"{100 * fit.raw:.0f} %): rest the finger on the wedge all the time, draw it slowly "
             f"and evenly, and sweep again"
         )
     share = coverage(covered(samples, surface))
-    good = share >= GOOD_COVERED and fit.corrected < FAIR_CORRECTED
+    good = share >= GOOD_COVERED and left < FAIR_CORRECTED
     record = StepRecord(
         setup.date,
         "good" if good else "fair",

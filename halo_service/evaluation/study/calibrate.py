@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from halo_calibration.base_model import VIRTUAL, read_base
 from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import parse_script
 from halo_calibration.steps import Setup
@@ -73,7 +72,7 @@ def by_script(
     """Return the profile that `halo calibrate --script` makes of a recording, or `UserError`."""
     track = CachedHands(recording)
     source = FrameSequence((frame for frame, _ in restored(recording, background)), camera)
-    setup = Setup(NAME, camera, DATE, settings, base=read_base(VIRTUAL))
+    setup = Setup(NAME, camera, DATE, settings)
     scripted = ScriptedCalibration(setup, Session(source), lambda _: track, lambda _: None)
     return scripted.run(parse_script(list(recording.script), "of the recording"))
 

@@ -72,12 +72,14 @@ def test_held_states_keep_their_place_and_direction(placed: Profile, turned: Sur
 
 def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: Surface) -> None:
     from halo_calibration.solvers.correction import Reference, solve_correction
-    from halo_service.sensing.correction import dent_strength, strength
+    from halo_service.sensing.correction import leveled, strength
 
     rng = np.random.default_rng(1)
     x, y, yaw = rng.uniform(0, 300, 600), rng.uniform(0, 200, 600), rng.uniform(-20, 20, 600)
     signal = 2000.0 * (1.0 + 0.002 * (x - 150.0))
-    samples = np.column_stack([x, y, np.full(600, 45.0), yaw, signal, signal / 100.0])
+    samples = np.column_stack(
+        [x, y, np.full(600, 45.0), yaw, *(signal / n for n in (1, 100, 150, 400))]
+    )
     at = Reference(0.0, 0.0, 45.0, 0.0)
     before = replace(placed, correction=solve_correction(placed.surface, None, samples, at))
     after = moved_to(before, turned, None)
@@ -92,8 +94,8 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
             after.correction, *new_held, 45.0, -TURN_DEG
         )
         assert new == pytest.approx(old, rel=0.08)
-        old_deep = dent_strength(before.correction, *place)
-        old_deep /= dent_strength(before.correction, *middle)
-        new_deep = dent_strength(after.correction, *there)
-        new_deep /= dent_strength(after.correction, *new_middle)
+        old_deep = leveled([1.0] * 4, before.correction, *place)[0][1]
+        old_deep /= leveled([1.0] * 4, before.correction, *middle)[0][1]
+        new_deep = leveled([1.0] * 4, after.correction, *there)[0][1]
+        new_deep /= leveled([1.0] * 4, after.correction, *new_middle)[0][1]
         assert new_deep == pytest.approx(old_deep, rel=0.01)

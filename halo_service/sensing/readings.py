@@ -1,0 +1,82 @@
+"""Stage 4: readings of the halo around one fingertip that hold for a halo of any shape.
+
+Each is a number that grows as the finger comes down and presses; the calibration says how much each
+is worth (`states`). The deepest square millimetres around the tip are found wherever they lie: a
+fingertip found a millimetre off, or a halo that lies off the pad, reads the same.
+"""
+
+from __future__ import annotations
+
+import math
+from statistics import NormalDist
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from halo_service.profile import Profile
+from halo_service.sensing.extraction import extract
+from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.segmentation import Segmentation
+from halo_service.values import Fingertip
+
+DEEPEST_MM2 = (100.0, 250.0)
+"""The areas of the deepest surface that are averaged: the rim of a fingertip, and most of a halo
+that a finger leaves free (chosen)."""
+AROUND_MM, BACK_MM = 25.0, 12.0
+"""How far from the pad a halo reaches, and how far back along the finger (chosen)."""
+PATCH_MM = (15.0, -3.0, 17.0)
+"""Half the breadth of the paper's patch of 30 x 20 mm, and its ends along the finger (4.3.3)."""
+EDGE = np.ones((3, 3), np.uint8)
+"""A pixel next to a hand is not surface either: a camera averages along an edge."""
+LEAST_PX = 5
+"""Fewer pixels are noise."""
+NORMAL = NormalDist()
+
+Floats = NDArray[np.float32]
+
+
+def px_per_mm(profile: Profile) -> float:
+    """Return the size of a millimetre on the surface."""
+    return profile.camera.depth.fx / max(float(profile.surface.camera_from_surface[2, 3]), 1.0)
+
+
+def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tuple[float, ...]:
+    """Return the sum over the patch, mm px, the deepest areas' mean depths and the patch's, mm.
+
+    The depths are about 0 without a halo, nan where too little of the surface is visible.
+    """
+    scale = px_per_mm(profile)
+    total = extract(segmentation, tip)
+    dx, dy = unit(tip.distal_px, tip.tip_px)
+    pad_px = profile.surface.in_picture(np.array([tip.pad_mm]), profile.camera.depth, np.eye(4))
+    x, y = segmentation.inside((float(pad_px[0, 0]), float(pad_px[0, 1])))
+    reach = math.ceil(AROUND_MM * scale)
+    left, top = max(round(x) - reach, 0), max(round(y) - reach, 0)
+    window = np.s_[top : max(round(y) + reach + 1, 0), left : max(round(x) + reach + 1, 0)]
+    excess_mm = segmentation.excess_mm[window]
+    if excess_mm.size < LEAST_PX:
+        return total, math.nan, math.nan, math.nan
+    right = (np.arange(left, left + excess_mm.shape[1]) - x) / scale
+    down = (np.arange(top, top + excess_mm.shape[0]) - y)[:, None] / scale
+    along, across = right * dx + down * dy, down * dx - right * dy
+    seen = cv2.erode(segmentation.free[window].astype(np.uint8), EDGE).astype(np.bool_)
+    seen &= excess_mm != 0.0
+    half, back, ahead = PATCH_MM
+    patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
+    around = excess_mm[seen & (right**2 + down**2 < AROUND_MM**2) & (along > -BACK_MM)]
+    noise_mm = profile.background.noise_mm[segmentation.rows, segmentation.columns][window]
+    first, second = (
+        _deepest(around, round(area * scale**2), float(np.median(noise_mm))) for area in DEEPEST_MM2
+    )
+    return total, first, second, float(patch.mean()) if patch.size >= LEAST_PX else math.nan
+
+
+def _deepest(excess_mm: Floats, count: int, noise_mm: float) -> float:
+    """Return the mean of the deepest pixels, less what noise alone makes of an even surface."""
+    count = max(count, LEAST_PX)
+    if excess_mm.size <= count:
+        return math.nan
+    share = count / excess_mm.size
+    noise = noise_mm * NORMAL.pdf(NORMAL.inv_cdf(share)) / share
+    return float(np.partition(excess_mm, -count)[-count:].mean()) - noise

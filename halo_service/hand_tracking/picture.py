@@ -21,7 +21,7 @@ SIZE_PX = 256
 """Side of a picture: the model itself works at 192 and 224."""
 LOW_MM = 4.0
 """From this height on a pixel is the hand's: above the noise, below a touching finger."""
-DIM = 0.6
+DIM = 1.0
 """Brightness of the surface beside the hand's: the model sees fingers against it, and touching
 fingertips, which read as low as the surface, do not vanish."""
 GROUND = 30.0

@@ -38,6 +38,9 @@ class Method(Generic[State]):
     """Calibrate with this method's own signal: from the profile that `halo calibrate` wrote and
     the whole recording behind it; raises `UserError` if this signal cannot be calibrated.
     None: the method uses the profile as it is."""
+    whole_image: bool = False
+    """Whether its hand tracker sees the whole blended image, as in the paper, or the regions that
+    depth proposes, as ours does."""
 
 
 OURS = Method("ours", sensing.start, sensing.step, sensing.clear)

@@ -98,4 +98,5 @@ def _learnt(
 ) -> Profile:
     if method.learn is None:
         return profile
-    return method.learn(profile, settings, restored(recording, background), recording.script)
+    seen = restored(recording, background, method.whole_image)
+    return method.learn(profile, settings, seen, recording.script)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +58,8 @@ class StoredFrame:
     """The depth of the pixels of `LATTICE`."""
     hands: tuple[Hand, ...]
     """What the tracker found in this very frame."""
+    image_hands: tuple[Hand, ...] = ()
+    """What it finds in the whole blended image, as the paper's method does."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,13 +71,21 @@ class StoredRecording:
     script: tuple[Line, ...]
 
 
-def store(frame: Frame, tracked: Tracked, background: Background, reach: Box) -> StoredFrame:
-    """Reduce a frame. `reach`: where anything may be, px."""
+def store(
+    frame: Frame,
+    tracked: Tracked,
+    background: Background,
+    reach: Box,
+    image_hands: tuple[Hand, ...] = (),
+) -> StoredFrame:
+    """Reduce a frame. `reach`: where anything may be, px; `image_hands`: see `StoredFrame`."""
     left, top, right, bottom = reach
     part = slice(top, bottom), slice(left, right)
     depth, empty = frame.depth[part], background.mean_mm[part]
     above = (depth - empty < -ABOVE_MM) & (depth > 0) & background.valid[part]
-    return _stored(frame, tracked, _window(above, tracked.hands, reach, frame.depth.shape))
+    hands = (*tracked.hands, *image_hands)
+    box = _window(above, hands, reach, frame.depth.shape)
+    return replace(_stored(frame, tracked, box), image_hands=image_hands)
 
 
 def store_whole(frame: Frame, tracked: Tracked) -> StoredFrame:
@@ -84,8 +94,10 @@ def store_whole(frame: Frame, tracked: Tracked) -> StoredFrame:
     return _stored(frame, tracked, (0, 0, width, height))
 
 
-def restore(stored: StoredFrame, background: Background) -> tuple[Frame, Tracked]:
-    """Return the frame and what the tracker found in it."""
+def restore(
+    stored: StoredFrame, background: Background, whole_image: bool = False
+) -> tuple[Frame, Tracked]:
+    """Return the frame and what the tracker found in it, or in its whole image."""
     surface = np.rint(background.mean_mm + _drift_mm(stored.lattice, background))
     depth = np.where(background.valid, surface, np.float32(0.0)).astype(np.uint16)
     depth[LATTICE] = stored.lattice
@@ -94,7 +106,8 @@ def restore(stored: StoredFrame, background: Background) -> tuple[Frame, Tracked
         data = np.frombuffer(stored.png, np.uint8)
         depth[top:bottom, left:right] = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     infrared = np.zeros_like(depth)
-    return Frame(stored.time_us, depth, infrared), Tracked(stored.time_us, stored.hands)
+    hands = stored.image_hands if whole_image else stored.hands
+    return Frame(stored.time_us, depth, infrared), Tracked(stored.time_us, hands)
 
 
 def reach_box(surface: Surface, camera: Camera) -> Box:
@@ -110,8 +123,13 @@ def reach_box(surface: Surface, camera: Camera) -> Box:
 def save(path: Path, recording: StoredRecording, key: str) -> None:
     """Write a recording, whole or not at all. `key`: names all that it depends on."""
     frames = recording.frames
-    hands = [(index, hand) for index, each in enumerate(frames) for hand in each.hands]
-    landmarks = [hand.landmarks_px for _, hand in hands]
+    hands = [
+        (index, whole_image, hand)
+        for index, each in enumerate(frames)
+        for whole_image, found in ((False, each.hands), (True, each.image_hands))
+        for hand in found
+    ]
+    landmarks = [hand.landmarks_px for _, _, hand in hands]
     ends = np.cumsum([len(each.png) for each in frames], dtype=np.int64)
     path.parent.mkdir(parents=True, exist_ok=True)
     with appearing(path) as file:
@@ -122,9 +140,10 @@ def save(path: Path, recording: StoredRecording, key: str) -> None:
             lattice=np.array([each.lattice for each in frames], np.uint16),
             png=np.frombuffer(b"".join(each.png for each in frames), np.uint8),
             png_end=ends,
-            hand_frame=np.array([index for index, _ in hands], np.int64),
-            hand_side=np.array([int(hand.side) for _, hand in hands], np.int64),
-            hand_confidence=np.array([hand.confidence for _, hand in hands], np.float64),
+            hand_frame=np.array([index for index, _, _ in hands], np.int64),
+            hand_whole_image=np.array([whole for _, whole, _ in hands], np.bool_),
+            hand_side=np.array([int(hand.side) for _, _, hand in hands], np.int64),
+            hand_confidence=np.array([hand.confidence for _, _, hand in hands], np.float64),
             hand_px=np.array(landmarks, np.float32).reshape(-1, 21, 2),
             key=np.array(key),
             lines=np.frombuffer(json.dumps([recording.truth, recording.script]).encode(), np.uint8),
@@ -144,19 +163,27 @@ def load(path: Path) -> StoredRecording:
     """Read a recording; raises OSError or ValueError for a file that is none."""
     with np.load(path, allow_pickle=False) as file:
         data = {name: file[name] for name in file.files}
-    by_frame: dict[int, list[Hand]] = {}
-    for index, side, sure, px in zip(
+    by_frame: dict[tuple[int, bool], list[Hand]] = {}
+    for index, whole_image, side, sure, px in zip(
         data["hand_frame"].tolist(),
+        data["hand_whole_image"].tolist(),
         data["hand_side"].tolist(),
         data["hand_confidence"].tolist(),
         data["hand_px"].astype(np.float64),
         strict=True,
     ):
-        by_frame.setdefault(index, []).append(Hand(Side(side), px, sure))
+        by_frame.setdefault((index, whole_image), []).append(Hand(Side(side), px, sure))
     blob, ends = data["png"].tobytes(), data["png_end"].tolist()
     starts = [0, *ends[:-1]]
     frames = tuple(
-        StoredFrame(time_us, tuple(box), blob[start:end], lattice, tuple(by_frame.get(index, ())))
+        StoredFrame(
+            time_us,
+            tuple(box),
+            blob[start:end],
+            lattice,
+            tuple(by_frame.get((index, False), ())),
+            tuple(by_frame.get((index, True), ())),
+        )
         for index, (time_us, box, lattice, start, end) in enumerate(
             zip(
                 data["time_us"].tolist(),
@@ -172,9 +199,11 @@ def load(path: Path) -> StoredRecording:
     return StoredRecording(frames, tuple(truth), tuple(script))
 
 
-def restored(recording: StoredRecording, background: Background) -> Iterator[tuple[Frame, Tracked]]:
-    """Yield each frame with what the tracker found in it."""
-    return (restore(stored, background) for stored in recording.frames)
+def restored(
+    recording: StoredRecording, background: Background, whole_image: bool = False
+) -> Iterator[tuple[Frame, Tracked]]:
+    """Yield each frame with what the tracker found in it, or in its whole image."""
+    return (restore(stored, background, whole_image) for stored in recording.frames)
 
 
 def _stored(frame: Frame, tracked: Tracked, box: Box) -> StoredFrame:

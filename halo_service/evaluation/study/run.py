@@ -193,8 +193,15 @@ def _perform(
         settings = (
             replace(request.settings, fingers="all") if task.all_fingers else request.settings
         )
-        track = CachedHands(recording)
-        published = sense_all(frames, _camera(room), track, methods, calibrated.profiles, settings)
+        published = sense_all(
+            frames,
+            _camera(room),
+            CachedHands(recording),
+            methods,
+            calibrated.profiles,
+            settings,
+            CachedHands(recording, whole_image=True),
+        )
         for name, profile in calibrated.profiles.items():
             results[name] = judge(
                 subject, task.name, name, published[name],

@@ -43,8 +43,11 @@ class FrameSequence:
 class CachedHands:
     """A hand tracker that returns the hands of a stored recording."""
 
-    def __init__(self, recording: StoredRecording) -> None:
-        self._hands = {each.time_us: Tracked(each.time_us, each.hands) for each in recording.frames}
+    def __init__(self, recording: StoredRecording, whole_image: bool = False) -> None:
+        self._hands = {
+            each.time_us: Tracked(each.time_us, each.image_hands if whole_image else each.hands)
+            for each in recording.frames
+        }
 
     def __call__(self, frame: Frame) -> Tracked:
         """Return the hands in one of the recording's frames."""
@@ -83,15 +86,18 @@ def sense_all(
     methods: Sequence[Method[Any]],
     profiles: Mapping[str, Profile],
     settings: SensingSettings,
+    track_image: Tracker | None = None,
 ) -> dict[str, tuple[TouchFrame, ...]]:
     """Return what each method publishes, by its name; the tracker is as late as it is live.
+
+    `track_image`: for the methods whose tracker sees the whole image; None: as for the others.
 
     Every frame goes to all methods before the next is read, so each is decoded once.
     """
     runs = [
         replay(
             FrameSequence(copy, camera),
-            track,
+            track_image if track_image is not None and method.whole_image else track,
             method,
             method.start(profiles[method.name], settings),
         )

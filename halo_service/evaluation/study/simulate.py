@@ -107,9 +107,12 @@ def _stored(
 ) -> Iterator[StoredFrame]:
     profile = profile_of_table(user.name, background, camera)
     reach = reach_box(profile.surface, camera)
-    with open_tracker(camera, profile, task.hands) as track:
+    with (
+        open_tracker(camera, profile, task.hands) as track,
+        open_tracker(camera, None, task.hands) as track_image,
+    ):
         for frame in frames:
-            yield store(frame, track(frame), background, reach)
+            yield store(frame, track(frame), background, reach, track_image(frame).hands)
 
 
 def _simulation(user: User, task: Task) -> Take:

@@ -98,7 +98,9 @@ def test_a_recording_reads_back_as_it_was_written(tmp_path: Path) -> None:
     hand = Hand(Side.LEFT, np.arange(42, dtype=np.float32).reshape(21, 2).astype(np.float64), 0.5)
     frames = (
         StoredFrame(7, (0, 0, 0, 0), b"", np.array([[500, 0]], np.uint16), ()),
-        StoredFrame(9, (1, 2, 3, 4), b"xy", np.array([[501, 499]], np.uint16), (hand,)),
+        StoredFrame(
+            9, (1, 2, 3, 4), b"xy", np.array([[501, 499]], np.uint16), (hand,), (hand, hand)
+        ),
     )
     truth, script = ({"time_us": 7, "fingers": []},), ({"step": "hover"},)
     save(tmp_path / "a" / "recording.npz", StoredRecording(frames, truth, script), "key")
@@ -109,6 +111,7 @@ def test_a_recording_reads_back_as_it_was_written(tmp_path: Path) -> None:
             assert getattr(before, name) == getattr(after, name), name
         assert np.array_equal(before.lattice, after.lattice)
     assert again.frames[0].hands == ()
+    assert [len(each.image_hands) for each in again.frames] == [0, 2]
     (found,) = again.frames[1].hands
     assert (found.side, found.confidence) == (hand.side, hand.confidence)
     assert np.array_equal(found.landmarks_px, hand.landmarks_px)

@@ -193,4 +193,4 @@ def _moved_mm(identity: Identity, spot: Spot) -> float:
     return math.dist((identity.before.x_mm, identity.before.y_mm), spot.place_mm)
 
 
-PAPER = Method("paper", start, step, clear, learn)
+PAPER = Method("paper", start, step, clear, learn, whole_image=True)

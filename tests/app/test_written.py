@@ -92,7 +92,7 @@ def test_a_gallery_that_cannot_be_written_deletes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Drawn small: what is asked is where it goes.
-    monkeypatch.setattr(gallery, "gallery", lambda seed: np.zeros((8, 8, 3), np.uint8))
+    monkeypatch.setattr(gallery, "gallery", lambda seed, sensor: np.zeros((8, 8, 3), np.uint8))
     old = tmp_path / "old.png"
     old.write_text("the user's")
     (tmp_path / "link.png").symlink_to(old)

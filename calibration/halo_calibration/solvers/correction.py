@@ -60,8 +60,18 @@ class Fit:
     """How much a touch's signal varies over the sweep, as a share of its mean."""
 
     raw: float
-    corrected: float
-    """On samples that the fit had not seen."""
+    modelled: float
+    """After the model's correction, on samples that the fit had not seen."""
+
+    @property
+    def helps(self) -> bool:
+        """Whether the model predicts more of the halo than it adds errors of its own."""
+        return self.modelled < self.raw
+
+    @property
+    def corrected(self) -> float:
+        """With the correction that `solve_correction` makes: none where the model does not help."""
+        return min(self.modelled, self.raw)
 
 
 class Model:
@@ -92,8 +102,13 @@ class Model:
 def solve_correction(
     surface: Surface, base: Base | None, samples: Samples | None, at: Reference
 ) -> Correction:
-    """Evaluate the model on the grid, relative to the reference."""
-    model = Model(surface, base, samples)
+    """Evaluate the model on the grid, relative to the reference.
+
+    A model that does not help on samples it has not seen corrects nothing: pilots with another
+    sensor, or a halo that hardly changes over the surface.
+    """
+    helps = samples is None or cross_validate(surface, base, samples).helps
+    model = Model(surface, base, samples) if helps else Model(surface, None, None)
     axes = _axes(surface)
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 4)
     shape = tuple(len(axis) for axis in axes)

@@ -44,7 +44,7 @@ def sweep_change(setup: Setup, swept: SweepObservations, profile: Profile) -> Ch
     surface = profile.surface
     samples = check_sweep(swept, surface)
     fit = cross_validate(surface, setup.base, samples)
-    left = min(fit.corrected, least_variation(samples))
+    left = min(fit.modelled, least_variation(samples))
     if left > fit.raw and left > FAIR_CORRECTED:
         raise Refused(
             f"the halo of the sweep cannot be predicted ({100 * left:.0f} % is left of "

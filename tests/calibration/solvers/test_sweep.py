@@ -125,6 +125,18 @@ def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
     assert correction.base == "pilots"
 
 
+def test_a_base_model_of_another_sensor_that_makes_a_halo_uneven_corrects_nothing() -> None:
+    seen = [replace(o, raw=2000.0 + 20.0 * (o.time_us % 5)) for o in sweep().seen]
+    even = check_sweep(SweepObservations(600, 600, tuple(seen)), SURFACE)
+    rng = np.random.default_rng(5)
+    where = rng.uniform((-150, -100, 15, -60), (150, 100, 75, 60), (2000, 4))
+    base = Base("other", "A1", np.column_stack([where, rng.uniform(0.5, 1.5, 2000), where[:, 0]]))
+    fit = cross_validate(SURFACE, base, even)
+    assert fit.modelled > fit.raw == fit.corrected
+    assert not fit.helps
+    assert np.all(solve_correction(SURFACE, base, even, AT).strength == 1.0)
+
+
 @pytest.mark.parametrize(
     ("swept", "says"),
     [

@@ -70,9 +70,9 @@ def calibrated(room: Room) -> Profile:
         stack.callback(detector.close)
         user.follow(PROMPTS["sweep"])
         user.skip(SETTLE_S)
-        observer = Observer(profile, detector.look, settings.sensing)
+        observer = Observer(profile, detector.detect, settings.sensing)
         frames = session.lasting(SWEEP_S, "sweep")
-        swept = watch_sweep(frames, session.wanted(SWEEP_S), observer, lambda seen: None)
+        swept = watch_sweep(frames, session.frame_count(SWEEP_S), observer, lambda seen: None)
         return sweep_change(setup, swept, profile)(profile)
 
 
@@ -83,7 +83,7 @@ def touch_all_over(room: Room, profile: Profile) -> list[Observation]:
     with ExitStack() as stack:
         detector = HandDetector(sensor.camera, profile, settings.tracking)
         stack.callback(detector.close)
-        observer = Observer(profile, detector.look, settings.sensing)
+        observer = Observer(profile, detector.detect, settings.sensing)
         number = 0
         for x in np.linspace(30.0, 270.0, 7):
             for y in np.linspace(30.0, 170.0, 5):

@@ -37,16 +37,16 @@ CASES = (
 
 def cost_ms(scenario: str, colour_times: int, from_s: float, frames: int) -> NDArray[np.float64]:
     """CPU time of each frame, ms."""
-    asked = parse_sim_url(f"sim:{scenario}?drop=0")
-    acting, sensor = (
-        start_scenario(asked.scenario, asked.room),
-        Sensor(asked.room, colour_times=colour_times),
+    request = parse_sim_url(f"sim:{scenario}?drop=0")
+    running, sensor = (
+        start_scenario(request.scenario, request.room),
+        Sensor(request.room, colour_times=colour_times),
     )
     costs = []
     for k in range(frames + 5):
         t_s = from_s + k / 30.0
         begin = time.process_time()
-        stage = acting.at(t_s)
+        stage = running.at(t_s)
         sensor.frame(round(t_s * 1e6), stage.hands, stage.things)
         costs.append(1000.0 * (time.process_time() - begin))
     return np.array(costs[5:])
@@ -60,12 +60,15 @@ def resident_mb() -> float:
 
 def memory(frames: int) -> tuple[float, float]:
     """MB after a tenth of the frames and after all of them."""
-    asked = parse_sim_url("sim:drumming?drop=0")
-    acting, sensor = start_scenario(asked.scenario, asked.room), Sensor(asked.room, colour_times=0)
+    request = parse_sim_url("sim:drumming?drop=0")
+    running, sensor = (
+        start_scenario(request.scenario, request.room),
+        Sensor(request.room, colour_times=0),
+    )
     early = 0.0
     for k in range(frames):
-        stage = acting.at(k / 30.0)
-        acting.ended_contacts(k / 30.0)
+        stage = running.at(k / 30.0)
+        running.ended_contacts(k / 30.0)
         sensor.frame(k * 33_333, stage.hands, stage.things)
         if k == frames // 10:
             early = resident_mb()

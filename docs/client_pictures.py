@@ -41,7 +41,7 @@ from halo_service.runtime.replay import replay
 from halo_service.settings import Settings
 from halo_service.sources import EndOfSource
 from halo_service.values import Frame
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.sim_url import parse_sim_url
 
 CLIENTS = Path(__file__).parents[1] / "clients"
@@ -52,14 +52,14 @@ TALLEST = 300.0
 """Area of the loudest hit's dot, in points."""
 
 
-class TakeSource:
+class RecordingSource:
     """A virtual recording as a source."""
 
     kind: Literal["virtual"] = "virtual"
 
-    def __init__(self, take: Take) -> None:
-        self.camera = take.camera
-        self._frames: Iterator[Frame] = (frame for frame, _ in take if frame is not None)
+    def __init__(self, recording: SimulatedRecording) -> None:
+        self.camera = recording.camera
+        self._frames: Iterator[Frame] = (frame for frame, _ in recording if frame is not None)
 
     def read(self, timeout_s: float) -> Frame:
         """Return the next frame at once."""
@@ -74,11 +74,11 @@ class TakeSource:
 def sensed(name: str, seconds: float, path: Path) -> list[TouchFrame]:
     """Sense a scenario, write its stream to `path`, and return what a client receives."""
     request = parse_sim_url(name)
-    source = TakeSource(Take(request, seconds, colour=False))
+    source = RecordingSource(SimulatedRecording(request, seconds, colour=False))
     profile = virtual_profile(request.room, Settings())
     with closing(HandDetector(source.camera, profile, Settings().tracking)) as detector:
         state = OURS.start(profile, Settings().sensing)
-        frames = replay(source, detector.look, OURS, state)
+        frames = replay(source, detector.detect, OURS, state)
         path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)))
     return list(halo_client.frames(FileSource(path, paced=False)))
 

@@ -97,11 +97,11 @@ class DrawnTable:
     @cached_property
     def signal_per_dent(self) -> float:
         """Signal that the sensing reads of a dent at a touching finger, mm px a mm."""
-        deep_mm = DEPTHS_MM["touch"]
+        depth_mm = DEPTHS_MM["touch"]
         state = start(self._profile(PLAIN_SIGNALS), SensingSettings())
         middle_mm = (self.surface_mm[0] / 2.0 + 0.5, self.surface_mm[1] / 2.0 + 0.5)
-        frame, _ = step(state, self.frame(middle_mm, deep_mm), self.hands(middle_mm))
-        return frame.pointers[0].diagnostics.halo / deep_mm
+        frame, _ = step(state, self.frame(middle_mm, depth_mm), self.hands(middle_mm))
+        return frame.pointers[0].diagnostics.halo / depth_mm
 
     def off_mm(self, pointer: Pointer, at_mm: Pair, height_mm: float = 0.0) -> Pair:
         """Return how far a pointer's outline ends from a place, x and y."""

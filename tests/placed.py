@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from halo_calibration.boards.board import Printed
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.anchor import Anchored, anchor_pose
 from halo_calibration.solvers.background import average
 from halo_calibration.solvers.homography import HomographyFit
@@ -188,6 +188,6 @@ def refusal(call) -> str:
     """The sentence with which something is refused."""
     try:
         call()
-    except Refused as refused:
+    except CalibrationError as refused:
         return str(refused)
     raise AssertionError("it was not refused")

@@ -10,5 +10,5 @@ NO_HALO = (
 )
 
 
-class Refused(UserError):  # noqa: N818 - what the solver did
+class CalibrationError(UserError):
     """A measurement is not good enough: one sentence that says why, and what to do."""

@@ -18,7 +18,7 @@ from halo_service.sensing.segmentation import Segmentation, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Frame, Side, Tracked
 
-Look = Callable[[Frame], Tracked]
+DetectHands = Callable[[Frame], Tracked]
 """The hand tracker: finds the hands in one frame."""
 
 THICKNESS_MM = 13.0
@@ -59,11 +59,15 @@ class Observer:
     """Observes the index finger frame by frame; its only state is the depth drift."""
 
     def __init__(
-        self, profile: Profile, look: Look, settings: SensingSettings, side: Side = Side.UNKNOWN
+        self,
+        profile: Profile,
+        detect: DetectHands,
+        settings: SensingSettings,
+        side: Side = Side.UNKNOWN,
     ) -> None:
         """`profile` needs no touch states; `side`: the hand to look for, unknown for any."""
         self._profile = profile
-        self._look = look
+        self._detect = detect
         self._settings = settings
         self._side = side
         self._drift = Drift()
@@ -76,7 +80,7 @@ class Observer:
         segmentation = segment(excess, self._settings, profile.halo_threshold_mm)
         seen = [
             each
-            for each in detections(self._look(frame), Scale(frame.depth, profile))
+            for each in detections(self._detect(frame), Scale(frame.depth, profile))
             if self._side in (Side.UNKNOWN, each.side)
         ]
         if not seen:

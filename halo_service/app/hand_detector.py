@@ -22,7 +22,7 @@ ASSUMED_MM = 500.0
 
 
 class _Tracker(Protocol):
-    def look(self, frame: Frame) -> Tracked: ...
+    def detect(self, frame: Frame) -> Tracked: ...
 
     def close(self) -> None: ...
 
@@ -38,9 +38,9 @@ class HandDetector:
         """
         self._tracker = _tracker(camera, profile, model_for(settings), settings.max_hands)
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
-        return self._tracker.look(frame)
+        return self._tracker.detect(frame)
 
     def close(self) -> None:
         """Release the model."""
@@ -55,7 +55,7 @@ class _WholeImage:
         self._tracker = HandTracker(model, max_hands=max_hands)
         self._warp = ColourWarp(camera, np.full(shape, ASSUMED_MM, np.float32))
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         picture = blend(frame.ir, frame.colour, self._warp, frame.depth)
         return self._tracker.find(picture, frame.time_us)
 

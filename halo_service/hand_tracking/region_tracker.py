@@ -64,7 +64,7 @@ class RegionTracker:
         self._slots = [_Slot(HandTracker(model_path, max_hands=1)) for _ in range(max_hands)]
         self._empty: tuple[_Empty, ...] = ()
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame, in its own pixels."""
         measured = (frame.depth > 0) & self._valid
         height_mm = np.where(measured, self._background_mm - frame.depth, np.float32(0.0))

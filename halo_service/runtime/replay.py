@@ -13,7 +13,7 @@ from halo_service.runtime.method import Method, State
 from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame, TouchFrame, Tracked
 
-Look = Callable[[Frame], Tracked | None]
+DetectHands = Callable[[Frame], Tracked | None]
 
 TRACKER_FRAMES_LATE = 1
 """By how many frames the tracker's hands are late, as they are live."""
@@ -23,14 +23,14 @@ FOREVER_S = 3600.0
 
 def replay(
     source: Source,
-    look: Look,
+    detect: DetectHands,
     method: Method[State],
     state: State,
     late: int = TRACKER_FRAMES_LATE,
 ) -> Iterator[TouchFrame]:
     """Yield one touch frame a depth frame until the recording ends.
 
-    `look`: the hand tracker, or its substitute; `state`: from `method.start`; `late`:
+    `detect`: the hand tracker, or its substitute; `state`: from `method.start`; `late`:
     how many frames old the tracker's hands are when a frame is sensed, 0 or more.
     Raises `UserError` if the rest of the recording cannot be read.
     """
@@ -48,6 +48,6 @@ def replay(
         if isinstance(capture, BadFrame) or fault is not None:
             touch_frame, state = method.clear(state, capture.time_us)
         else:
-            hands.append(look(capture))
+            hands.append(detect(capture))
             touch_frame, state = method.step(state, capture, hands[0])
         yield touch_frame

@@ -28,7 +28,7 @@ TrackerState = Literal["off", "starting", "searching", "tracking", "failed"]
 class Tracker(Protocol):
     """Finds hands in frames; stateful, slow, used from one thread."""
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
 
     def close(self) -> None:
@@ -98,7 +98,7 @@ class TrackerThread:
             frame = self._frames.take(WAKE_S)
             if frame is None:
                 continue
-            tracked = tracker.look(frame)
+            tracked = tracker.detect(frame)
             self._tracked.put(tracked)
             self.state = "tracking" if tracked.hands else "searching"
 

@@ -97,10 +97,10 @@ class VirtualKinect:
         self._seen, picture = frame
         return picture
 
-    def tell(self, message: Any) -> None:
+    def command(self, message: Any) -> None:
         """Hand a message to the scenario (the `hand` scenario listens)."""
         try:
-            self._pipe.send(("tell", message))
+            self._pipe.send(("command", message))
         except OSError:
             raise self._died() from None
 

@@ -21,7 +21,7 @@ LONGEST_S = 600.0
 """A scenario that should end by itself has by then."""
 
 
-class Take:
+class SimulatedRecording:
     """One recording of a scenario. Iterate once; then ask for the script.
 
     Timestamps are whole milliseconds, as Matroska keeps them, so that frames and truth agree
@@ -94,5 +94,5 @@ class Take:
 def frames(
     request: SimRequest, seconds: float | None = None, *, colour: bool = True
 ) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
-    """What a `Take` yields, for those who need no script."""
-    return iter(Take(request, seconds, colour=colour))
+    """What a `SimulatedRecording` yields, for those who need no script."""
+    return iter(SimulatedRecording(request, seconds, colour=colour))

@@ -65,7 +65,7 @@ def through(matrix: Points, points: Points) -> Points:
 def test_touches_land_where_the_projected_targets_are(tmp_path: Path) -> None:
     room, recording, profile = (
         draw_room(SEED, exposure_ms=4.0, **KIND_ROOM),
-        tmp_path / "take.mkv",
+        tmp_path / "recording.mkv",
         "placed",
     )
     script = film(room, recording).written(tmp_path)

@@ -41,24 +41,24 @@ def simulate(folder: Path, *options: str) -> Path:
 
 
 @pytest.fixture(scope="module")
-def take(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return simulate(tmp_path_factory.mktemp("take"), "--seed", "3")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return simulate(tmp_path_factory.mktemp("recording"), "--seed", "3")
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not(
-    take: Path, tmp_path: Path
+    recording: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "same").mkdir()
     (tmp_path / "other").mkdir()
-    assert simulate(tmp_path / "same", "--seed", "3").read_bytes() == take.read_bytes()
-    assert simulate(tmp_path / "other", "--seed", "4").read_bytes() != take.read_bytes()
+    assert simulate(tmp_path / "same", "--seed", "3").read_bytes() == recording.read_bytes()
+    assert simulate(tmp_path / "other", "--seed", "4").read_bytes() != recording.read_bytes()
 
 
-def test_each_frame_has_its_truth(take: Path) -> None:
-    truth = take.with_suffix(".truth.jsonl").read_text()
+def test_each_frame_has_its_truth(recording: Path) -> None:
+    truth = recording.with_suffix(".truth.jsonl").read_text()
     lines = [json.loads(line) for line in truth.splitlines()]
     listed = [line["time_us"] for line in lines if "fingers" in line]
-    assert listed == [frame.time_us for frame in frames_of(take)]
+    assert listed == [frame.time_us for frame in frames_of(recording)]
 
 
 def test_the_commands_say_that_truth_and_profile_are_absent(
@@ -71,10 +71,10 @@ def test_the_commands_say_that_truth_and_profile_are_absent(
     assert "no profile: the frames have no touches; add --profile" in capsys.readouterr().err
 
 
-def test_a_recording_can_be_recorded(take: Path, tmp_path: Path) -> None:
+def test_a_recording_can_be_recorded(recording: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy.mkv"
-    assert main(["record", str(copy), "--source", f"recording:{take}", "--no-colour"]) == 0
-    for original, copied in zip(frames_of(take), frames_of(copy), strict=True):
+    assert main(["record", str(copy), "--source", f"recording:{recording}", "--no-colour"]) == 0
+    for original, copied in zip(frames_of(recording), frames_of(copy), strict=True):
         assert copied.time_us == original.time_us
         assert copied.colour is None
         np.testing.assert_array_equal(copied.depth, original.depth)

@@ -34,7 +34,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("session")
     request = parse_sim_url(f"sim:demo?seed=3&mode={MODE}&{KIND_URL}")
     truth = []
-    with Recorder(folder / "take.mkv", factory(mode=MODE), fps=30, colour=True) as recorder:
+    with Recorder(folder / "recording.mkv", factory(mode=MODE), fps=30, colour=True) as recorder:
         for frame, lines in frames(request, SECONDS):
             if frame is not None:
                 recorder.write(frame)
@@ -45,7 +45,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def replay(session: Path, out: Path, *options: str) -> list[dict[str, Any]]:
-    assert main(["replay", str(session / "take.mkv"), "--jsonl", str(out), *options]) == 0
+    assert main(["replay", str(session / "recording.mkv"), "--jsonl", str(out), *options]) == 0
     return [json.loads(line) for line in out.read_text().splitlines()]
 
 
@@ -117,7 +117,7 @@ def test_without_a_profile_there_are_frames_without_pointers(session: Path, tmp_
 
 @pytest.mark.slow
 def test_a_recording_that_breaks_off_leaves_no_file(session: Path, tmp_path: Path) -> None:
-    whole = (session / "take.mkv").read_bytes()
+    whole = (session / "recording.mkv").read_bytes()
     (tmp_path / "cut.mkv").write_bytes(whole[: len(whole) // 2])
     code = main(["replay", str(tmp_path / "cut.mkv"), "--jsonl", str(tmp_path / "out.jsonl")])
     assert code == 2

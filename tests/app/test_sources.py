@@ -16,13 +16,16 @@ def test_a_recording_in_the_home_folder_is_found_there(
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("USERPROFILE", str(tmp_path))  # what Windows calls it
-    (tmp_path / "halo.toml").write_text('[source]\nname = "recording:~/take.mkv"\n')
-    for settings in (SourceSettings("recording:~/take.mkv"), load(tmp_path / "halo.toml").source):
+    (tmp_path / "halo.toml").write_text('[source]\nname = "recording:~/recording.mkv"\n')
+    for settings in (
+        SourceSettings("recording:~/recording.mkv"),
+        load(tmp_path / "halo.toml").source,
+    ):
         with pytest.raises(UserError) as caught:
             open_source(settings)
-        assert str(caught.value).startswith(f"{tmp_path / 'take.mkv'} does not exist")
+        assert str(caught.value).startswith(f"{tmp_path / 'recording.mkv'} does not exist")
 
 
 def test_a_recording_of_a_user_who_is_none_is_one_sentence() -> None:
     with pytest.raises(UserError, match="does not exist"):
-        open_source(SourceSettings("recording:~no-such-user/take.mkv"))
+        open_source(SourceSettings("recording:~no-such-user/recording.mkv"))

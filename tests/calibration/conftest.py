@@ -37,16 +37,16 @@ def hold() -> Hold:
         raw: float,
         *,
         noise: float = 20.0,
-        came: int = 60,
+        received: int = 60,
         seen: int | None = None,
         moved_mm: float = 0.0,
         dent_mm: float | None = None,
         sways_mm: float = 0.0,
         hidden: int = 0,
     ) -> HoldObservations:
-        deep_mm = raw / 200.0 if dent_mm is None else dent_mm
+        depth_mm = raw / 200.0 if dent_mm is None else dent_mm
         rng = np.random.default_rng(len(state))
-        count = came if seen is None else seen
+        count = received if seen is None else seen
         observations = tuple(
             Observation(
                 n * 33_333,
@@ -59,11 +59,11 @@ def hold() -> Hold:
                 max(raw + rng.normal(0.0, noise), 0.0),
                 0.0,
                 5,
-                (math.nan if n < hidden else deep_mm + sways_mm * (-1) ** n,) * 3,
+                (math.nan if n < hidden else depth_mm + sways_mm * (-1) ** n,) * 3,
                 13.0,
             )
             for n in range(count)
         )
-        return HoldObservations(state, 60, came, observations)
+        return HoldObservations(state, 60, received, observations)
 
     return held

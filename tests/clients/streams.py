@@ -88,19 +88,19 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
     from halo_service.runtime.replay import replay
     from halo_service.settings import Settings
     from halo_service.sources import EndOfSource
-    from halo_service.virtual.offline import Take
+    from halo_service.virtual.offline import SimulatedRecording
     from halo_service.virtual.sim_url import parse_sim_url
 
     sessions: dict[str, Session] = {}
 
-    class TakeSource:
+    class RecordingSource:
         """A virtual recording as a source; collects its ground truth."""
 
         kind = "virtual"
 
-        def __init__(self, take: Take, truth: list[dict[str, Any]]) -> None:
-            self.camera, self.surface = take.camera, take.surface
-            self._lines: Iterator[Any] = iter(take)
+        def __init__(self, recording: SimulatedRecording, truth: list[dict[str, Any]]) -> None:
+            self.camera, self.surface = recording.camera, recording.surface
+            self._lines: Iterator[Any] = iter(recording)
             self._truth = truth
 
         def read(self, timeout_s: float) -> Any:
@@ -117,15 +117,15 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
         if name not in sessions:
             request, truth = parse_sim_url(name), []
             profile = virtual_profile(request.room, Settings())
-            take = Take(request, seconds, colour=False, start_s=EMPTY_S)
-            source = TakeSource(take, truth)
+            recording = SimulatedRecording(request, seconds, colour=False, start_s=EMPTY_S)
+            source = RecordingSource(recording, truth)
             detector = HandDetector(source.camera, profile, Settings().tracking)
             try:
                 state = OURS.start(profile, Settings().sensing)
-                frames = list(replay(source, detector.look, OURS, state))
+                frames = list(replay(source, detector.detect, OURS, state))
             finally:
                 detector.close()
-            path = tmp_path_factory.mktemp("sensed") / "take.jsonl"
+            path = tmp_path_factory.mktemp("sensed") / "recording.jsonl"
             lines = [frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)]
             path.write_text("".join(lines))
             truth.append({"surface": source.surface})

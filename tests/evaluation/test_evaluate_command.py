@@ -44,12 +44,21 @@ from tests.kind_sensor import KIND_URL
         (["--csv", "-", "--markdown"], "--csv - does not use --markdown: leave --markdown out"),
         (["--live", "here", "--quick"], "--live does not use --quick, --cache: leave --quick"),
         (["--live", "here", "--truth", "t.jsonl"], "--live does not use --truth, --cache:"),
-        (["take.mkv", "--live", "here"], "--live does not use RECORDING: leave RECORDING out"),
-        (["take.mkv", "--truth", "t.jsonl", "--users", "201"], "RECORDING does not use --users:"),
-        (["take.mkv", "--truth", "t.jsonl", "--source", "s"], "RECORDING does not use --source:"),
-        (["take.mkv"], "needs --truth T.jsonl or --script S.json"),
-        (["take.mkv", "--truth", "t.jsonl"], "name the profile of the recording"),
-        (["take.mkv", "--truth", "t.jsonl", "--profile", "./none"], "there is no profile at none"),
+        (["recording.mkv", "--live", "here"], "--live does not use RECORDING: leave RECORDING out"),
+        (
+            ["recording.mkv", "--truth", "t.jsonl", "--users", "201"],
+            "RECORDING does not use --users:",
+        ),
+        (
+            ["recording.mkv", "--truth", "t.jsonl", "--source", "s"],
+            "RECORDING does not use --source:",
+        ),
+        (["recording.mkv"], "needs --truth T.jsonl or --script S.json"),
+        (["recording.mkv", "--truth", "t.jsonl"], "name the profile of the recording"),
+        (
+            ["recording.mkv", "--truth", "t.jsonl", "--profile", "./none"],
+            "there is no profile at none",
+        ),
     ],
 )
 def test_wrong_options_are_answered_with_one_sentence(
@@ -60,7 +69,7 @@ def test_wrong_options_are_answered_with_one_sentence(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    if "take.mkv" not in arguments:
+    if "recording.mkv" not in arguments:
         arguments = [*arguments, "--cache", "recordings"]
     assert main(["evaluate", *arguments]) == 2
     printed = capsys.readouterr()
@@ -163,7 +172,7 @@ def test_methods_that_need_the_empty_surface_alone_need_no_touch_states(
 def recorded(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of three touches, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("recorded")
-    files = ("--out", str(folder / "take.mkv"), "--truth", str(folder / "truth.jsonl"))
+    files = ("--out", str(folder / "recording.mkv"), "--truth", str(folder / "truth.jsonl"))
     # The third touch ends at 3.05 s.
     assert main(["simulate", "demo?seed=205", *files, "--seconds", "3.3"]) == 0
     shutil.copytree(desk / "profile", folder / "profile")  # the room is the seed's alone
@@ -192,7 +201,9 @@ def test_a_recording_is_compared_with_its_truth(
     lines = [json.loads(line) for line in (recorded / "truth.jsonl").read_text().splitlines()]
     contacts = sum("contact" in line for line in lines)
     options = ("--truth", str(recorded / "truth.jsonl"), "--report", str(tmp_path / "report"))
-    assert evaluate(recorded / "take.mkv", *options, "--csv", str(tmp_path / "figures.csv")) == 0
+    assert (
+        evaluate(recorded / "recording.mkv", *options, "--csv", str(tmp_path / "figures.csv")) == 0
+    )
     with (tmp_path / "figures.csv").open(encoding="utf-8", newline="") as file:
         figures = {row["figure"]: float(row["value"]) for row in csv.DictReader(file)}
     assert figures["touches"] == contacts >= 3

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_service.app.cli import main
 from halo_service.app.evaluation_ui.guided import (
     Prompt,
@@ -115,12 +115,12 @@ def test_prompts_go_to_stderr_and_half_a_session_leaves_no_file(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     # This camera has no colour, so only --no-colour can record it.
-    with Recorder(tmp_path / "take.mkv", found.camera, fps=30, colour=False) as recorder:
+    with Recorder(tmp_path / "recording.mkv", found.camera, fps=30, colour=False) as recorder:
         for index in range(3):
             recorder.write(draw(time_us=index * FRAME_US))
     save(found, tmp_path / "profile")
     options = ("--profile", str(tmp_path / "profile"), "--no-colour", "--csv", "-")
-    source = f"recording:{tmp_path / 'take.mkv'}"
+    source = f"recording:{tmp_path / 'recording.mkv'}"
     folder = tmp_path / "first-light"
     assert main(["evaluate", "--live", str(folder), "--source", source, *options]) == 2
     printed = capsys.readouterr()
@@ -133,9 +133,9 @@ def test_prompts_go_to_stderr_and_half_a_session_leaves_no_file(
 @pytest.mark.parametrize(
     "command",
     [
-        ["evaluate", "take.mkv", "--truth", "t.jsonl"],
+        ["evaluate", "recording.mkv", "--truth", "t.jsonl"],
         ["evaluate", "--live", "folder"],
-        ["bench", "--source", "recording:take.mkv"],
+        ["bench", "--source", "recording:recording.mkv"],
     ],
 )
 def test_a_profile_without_touch_states_is_refused_before_anything_is_opened(
@@ -174,5 +174,5 @@ def test_the_script_is_on_the_recordings_own_clock() -> None:
 
 def test_a_camera_that_ends_during_the_session_is_refused() -> None:
     prompts = [Prompt("Touch it.", 0.0, 9.0, "target", {"target_mm": [10.0, 20.0]})]
-    with pytest.raises(Refused, match="during 'target'"):
+    with pytest.raises(CalibrationError, match="during 'target'"):
         conduct(prompts, FrameSequence(live(60)), lambda _: None, lambda _: None)

@@ -64,7 +64,7 @@ def test_a_hand_is_found_where_it_is(one_hand) -> None:
     tracker, frames = one_hand
     lens, found = factory().depth, []
     for frame, fingers in frames:
-        hands = tracker.look(frame).hands
+        hands = tracker.detect(frame).hands
         tip = lens.project(np.array([fingers[0]["camera_mm"]]))[0]
         found += [math.dist(hand.landmarks_px[8], tip) for hand in hands]
         assert len(hands) <= 1
@@ -74,7 +74,7 @@ def test_a_hand_is_found_where_it_is(one_hand) -> None:
 
 def test_two_hands_are_two() -> None:
     tracker, frames = scene("drumming", "seed=2")
-    counts = [len(tracker.look(frame).hands) for frame, _ in frames]
+    counts = [len(tracker.detect(frame).hands) for frame, _ in frames]
     tracker.close()
     assert counts[-1] == 2 and max(counts) == 2
 
@@ -90,10 +90,10 @@ def test_the_model_rests_over_an_empty_table_and_before_a_thing_that_is_no_hand(
     mug = empty.copy()
     mug[250:330, 300:380] = 410
     for n in range(10):
-        tracker.look(Frame(33_000 * n, empty, ir))
+        tracker.detect(Frame(33_000 * n, empty, ir))
     assert sum(model.count for model in models) == 0
     for n in range(10, 40):
-        tracker.look(Frame(33_000 * n, mug, ir))
+        tracker.detect(Frame(33_000 * n, mug, ir))
     assert 3 <= sum(model.count for model in models) <= 5  # a second, looked at every 0.3 s
 
 
@@ -108,7 +108,7 @@ def test_a_bright_hand_that_the_images_edge_cuts_is_found_in_every_frame(company
     truth = [json.loads(line)["fingers"] for line in lines]
     off_px, sides = [], []
     for frame, fingers in zip(frames[20:], truth[20:], strict=True):
-        hands = tracker.look(frame).hands
+        hands = tracker.detect(frame).hands
         assert len(hands) == 1
         sides.append(hands[0].side)
         tip = lens.project(np.array([fingers[0]["camera_mm"]]))[0]

@@ -76,7 +76,7 @@ class Listener:
 class Blind:
     """A tracker that sees nothing."""
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         return Tracked(frame.time_us, ())
 
     def close(self) -> None:
@@ -196,10 +196,10 @@ def test_a_tracker_that_fails_once_is_started_again() -> None:
         def __init__(self) -> None:
             Shaky.made += 1
 
-        def look(self, frame: Frame) -> Tracked:
+        def detect(self, frame: Frame) -> Tracked:
             if Shaky.made == 1:
                 raise RuntimeError("a broken model")
-            return super().look(frame)
+            return super().detect(frame)
 
     script: list[Frame | None] = [frame(0), *[None] * 6, frame(46), None, None]
     listener, _ = run(script, make=Shaky)
@@ -317,7 +317,7 @@ def test_an_error_in_a_frame_releases_a_touch_and_the_next_frame_is_sensed(
     profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]
 ) -> None:
     class Seeing(Blind):
-        def look(self, frame: Frame) -> Tracked:
+        def detect(self, frame: Frame) -> Tracked:
             return see(time_us=frame.time_us)
 
     rests = [draw(signal=2200.0, time_us=n * FRAME_US) for n in (6, 7, 8, 9)]
@@ -419,11 +419,11 @@ def test_an_unexpected_error_of_a_tracker_is_logged_once_and_its_hands_are_forgo
     class Worse(Blind):
         looks = 0
 
-        def look(self, frame: Frame) -> Tracked:
+        def detect(self, frame: Frame) -> Tracked:
             Worse.looks += 1
             if Worse.looks > 1:
                 raise RuntimeError("the model is broken")
-            return super().look(frame)
+            return super().detect(frame)
 
     script: list[Frame | None] = []
     for n in range(7):
@@ -442,7 +442,7 @@ def test_a_model_that_goes_missing_later_does_not_end_the_service(
     made: list[Blind] = []
 
     class Once(Blind):
-        def look(self, frame: Frame) -> Tracked:
+        def detect(self, frame: Frame) -> Tracked:
             raise RuntimeError("the model is broken")
 
     def make() -> Blind:

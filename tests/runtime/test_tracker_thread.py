@@ -24,7 +24,7 @@ class Recorder:
         child.start()
         child.join()
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         return Tracked(frame.time_us, ())
 
     def close(self) -> None:

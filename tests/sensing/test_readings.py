@@ -22,7 +22,7 @@ PAD_PX = (320.0, 295.0)
 """Under the middle of a round tip that ends at 288."""
 FINGER_PX = 8.0
 """Half its breadth."""
-DEEP_MM = 20.0
+DEPTH_MM = 20.0
 ROWS, COLUMNS = np.mgrid[:576, :640]
 OFF_PX = [(0.0, 2.0), (0.0, -1.5), (1.0, 0.5), (-1.0, 1.0)]
 
@@ -41,11 +41,11 @@ HALOS: dict[str, Callable[..., NDArray[np.float64]]] = {
 
 
 def excess(
-    deep_mm: float = DEEP_MM, shape: Callable[..., NDArray[np.float64]] = bell
+    depth_mm: float = DEPTH_MM, shape: Callable[..., NDArray[np.float64]] = bell
 ) -> NDArray[np.float32]:
     """A finger that points up the image over a halo."""
     right, down = COLUMNS - PAD_PX[0], ROWS - PAD_PX[1]
-    seen = deep_mm * shape(right, down)
+    seen = depth_mm * shape(right, down)
     below = (np.abs(right) < FINGER_PX) & (down > 0)
     seen[below | (np.hypot(right, down) < FINGER_PX)] = -14.0
     return seen.astype(np.float32)
@@ -80,7 +80,7 @@ def test_all_readings_grow_with_a_halo_of_any_shape(
 def test_a_finger_found_a_little_off_reads_as_deep(
     profile: Profile, shape: Callable[..., NDArray[np.float64]], off_px: tuple[float, float]
 ) -> None:
-    scene = segmentation(excess(DEEP_MM, shape))
+    scene = segmentation(excess(DEPTH_MM, shape))
     true, read = (readings(scene, found(off), profile) for off in ((0.0, 0.0), off_px))
     assert read[1:3] == pytest.approx(true[1:3], rel=0.06)
 
@@ -117,7 +117,7 @@ def test_a_halo_reads_alike_from_every_height_and_through_every_lens(table: Draw
     pixels = np.stack(np.meshgrid(*map(np.arange, reversed(table.shape))), axis=-1)
     places = (pixels.reshape(-1, 2) - table.px(middle_mm)) / table.px_per_mm
     right, down = places.T.reshape(2, *table.shape)
-    seen = DEEP_MM * bell(right, down)
+    seen = DEPTH_MM * bell(right, down)
     seen[(np.hypot(right, down) < 8.0) | ((np.abs(right) < 8.0) & (down > 0.0))] = -14.0
     tip, joint = (table.px((middle_mm[0], middle_mm[1] + mm)) for mm in (-7.0, 18.0))
     finger = replace(found(), tip_px=tip, distal_px=joint, pad_mm=middle_mm)
@@ -131,11 +131,11 @@ def held(profile: Profile) -> Profile:
     assert profile.touch is not None
     depths = {"hover": 10.0, "subtle": 18.0, "touch": 24.0, "pressure": 30.0}
     states = {}
-    for name, deep_mm in depths.items():
-        _, *read = readings(segmentation(excess(deep_mm)), found(), profile)
+    for name, depth_mm in depths.items():
+        _, *read = readings(segmentation(excess(depth_mm)), found(), profile)
         states[name] = replace(
             getattr(profile.touch, name),
-            readings=(1e5 * deep_mm, *read),
+            readings=(1e5 * depth_mm, *read),
             noise=(9e5, 0.1, 0.1, 0.1),
         )
     return replace(profile, touch=replace(profile.touch, **states))
@@ -146,8 +146,8 @@ def test_a_tap_is_detected_by_its_depths(
     held: Profile, see: Callable[..., Tracked], beside_mm: float | None
 ) -> None:
     state, frames = start(held, SensingSettings()), []
-    for n, deep_mm in enumerate([10, 10, 10, 24, 24, 24, 10, 10, 10]):
-        seen_mm = excess(deep_mm)
+    for n, depth_mm in enumerate([10, 10, 10, 24, 24, 24, 10, 10, 10]):
+        seen_mm = excess(depth_mm)
         if beside_mm is not None:
             seen_mm[PAD_PX[0] + 12 < COLUMNS] = beside_mm
         depth = np.rint(500.0 + seen_mm).astype(np.uint16)

@@ -140,11 +140,11 @@ def test_the_level_is_0_at_subtle_and_1_at_touch(
 ) -> None:
     assert profile.touch is not None
     total = 1500.0 + share * 500.0
-    deep_mm = 10.0 + share
-    assert touch_level(signal(deep_mm), dented) == pytest.approx(share)
-    flat = replace(signal(deep_mm * 0.8), at_pitch=0.8)
+    depth_mm = 10.0 + share
+    assert touch_level(signal(depth_mm), dented) == pytest.approx(share)
+    flat = replace(signal(depth_mm * 0.8), at_pitch=0.8)
     assert touch_level(flat, dented) == pytest.approx(share)
-    one_hidden = replace(signal(deep_mm), readings=(0.0, NAN, 0.6 * deep_mm, NAN))
+    one_hidden = replace(signal(depth_mm), readings=(0.0, NAN, 0.6 * depth_mm, NAN))
     assert touch_level(one_hidden, dented) == pytest.approx(share)
     all_hidden = replace(signal(NAN, total), readings=(total, NAN, NAN, NAN))
     assert touch_level(all_hidden, dented) == pytest.approx(share)

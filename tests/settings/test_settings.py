@@ -58,7 +58,7 @@ def test_what_is_set_is_set(tmp_path: Path) -> None:
         ("[sensing]\nup_level = 0.2\n", "'up_level' must be below 'down_level', not 0.2 and 0.2"),
         ("[sensing]\ndown_level = 0.9\n", "'down_level' must be at most 'sure_level'"),
         (
-            '[source]\nname = "recording:C:\\takes\\new.mkv"\n',
+            '[source]\nname = "recording:C:\\tables\\new.mkv"\n',
             "source: 'name' holds the control character '\\t'; write a path with backslashes in "
             "single quotes",
         ),

@@ -13,7 +13,7 @@ from halo_service.virtual.camera import DEVICES, MODES, factory, pixel_rays
 from halo_service.virtual.clock import clock_of
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.live import VirtualKinect
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sensor_model import TRUE
@@ -86,10 +86,10 @@ def test_a_hand_is_where_the_lens_says_at_every_height_tilt_and_mode(
 @pytest.mark.parametrize("device", DEVICES)
 def test_a_recording_in_another_mode_is_read_back_as_it_was_drawn(tmp_path, device):
     url = f"sim:idle?sensor=true&device={device}&mode=NFOV_2X2BINNED&drop=0&seed=3"
-    take = Take(parse_sim_url(url), 0.2)
+    recording = SimulatedRecording(parse_sim_url(url), 0.2)
     path = tmp_path / "binned.mkv"
-    with Recorder(path, take.camera, fps=take.camera.fps, colour=True) as recorder:
-        drawn = [frame for frame, _ in take if frame is not None]
+    with Recorder(path, recording.camera, fps=recording.camera.fps, colour=True) as recorder:
+        drawn = [frame for frame, _ in recording if frame is not None]
         for frame in drawn:
             recorder.write(frame)
     recording = Recording(path, realtime=False, loop=False)
@@ -124,9 +124,11 @@ def test_each_start_of_a_bolt_has_a_clock_of_its_own():
 
 
 def test_truth_and_frames_are_on_the_devices_clock():
-    take = Take(parse_sim_url("sim:demo?sensor=true&device=bolt&drop=0"), 6.0, colour=False)
+    recording = SimulatedRecording(
+        parse_sim_url("sim:demo?sensor=true&device=bolt&drop=0"), 6.0, colour=False
+    )
     contacts, times = [], []
-    for frame, lines in take:
+    for frame, lines in recording:
         contacts += [line["contact"] for line in lines if "contact" in line]
         if frame is not None:
             times.append(frame.time_us)

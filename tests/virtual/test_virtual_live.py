@@ -117,7 +117,7 @@ def test_a_room_that_cannot_be_drawn_is_one_sentence(tmp_path):
 def test_a_played_finger_appears_in_the_next_frames():
     with VirtualKinect(parse_sim_url("sim:hand?noise=0&drop=0"), colour=False) as kinect:
         empty = first(kinect).depth.astype(int)
-        kinect.tell((2, 1, 150.0, 100.0, 0.0, 100.0))
+        kinect.command((2, 1, 150.0, 100.0, 0.0, 100.0))
         end = time.monotonic() + 3.0
         while time.monotonic() < end:
             seen = kinect.read(0.5)

@@ -6,17 +6,17 @@ import numpy as np
 
 from halo_service.outputs.recorder import Recorder
 from halo_service.virtual.camera import FPS
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.sim_url import parse_sim_url
 
 
 def test_ffmpeg_reads_equal_frames(external_program, tmp_path):
     ffmpeg = external_program("ffmpeg")
     path = tmp_path / "demo.mkv"
-    take = Take(parse_sim_url("sim:demo?seed=2"), 0.4)
+    recording = SimulatedRecording(parse_sim_url("sim:demo?seed=2"), 0.4)
     drawn = []
-    with Recorder(path, take.camera, fps=FPS, colour=True) as recorder:
-        for frame, _ in take:
+    with Recorder(path, recording.camera, fps=FPS, colour=True) as recorder:
+        for frame, _ in recording:
             if frame is not None:
                 recorder.write(frame)
                 drawn.append(frame)

@@ -13,7 +13,7 @@ from halo_service.virtual.clock import START_US
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.noise import DRIFT_MM
-from halo_service.virtual.offline import Take, frames
+from halo_service.virtual.offline import SimulatedRecording, frames
 from halo_service.virtual.pictures import show
 from halo_service.virtual.room import Room, draw_room
 from halo_service.virtual.sensor import Sensor
@@ -248,10 +248,10 @@ def test_dropped_frames_are_reported_and_time_goes_on():
 
 def test_a_take_ends_by_itself_or_asks_for_its_length():
     with pytest.raises(UserError, match="never ends by itself"):
-        Take(parse_sim_url("sim:demo"))
+        SimulatedRecording(parse_sim_url("sim:demo"))
     for seconds in (0.0, -1.0, float("nan")):
         with pytest.raises(UserError, match="cannot be"):
-            Take(parse_sim_url("sim:demo"), seconds)
+            SimulatedRecording(parse_sim_url("sim:demo"), seconds)
 
 
 def test_nothing_of_the_truth_is_in_a_frame():

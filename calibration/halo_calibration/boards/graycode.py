@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from halo_calibration.boards.board import Picture
 from halo_calibration.boards.detect import grey_of
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_service.values import Pixels
 
 STRIPE_PX = 4
@@ -72,7 +72,8 @@ def count(width_px: int, height_px: int) -> int:
 def decode(pictures: Sequence[Picture], width_px: int, height_px: int) -> Decoded:
     """Read the camera's pictures of `patterns`, in their order.
 
-    Each (h, w) or (h, w, 3) uint8. Raises `Refused` where too little can be read, saying why.
+    Each (h, w) or (h, w, 3) uint8. Raises `CalibrationError` with the reason if too little
+    can be read.
     """
     if len(pictures) != count(width_px, height_px):
         raise ValueError(f"{len(pictures)} pictures, not {count(width_px, height_px)}")
@@ -85,7 +86,7 @@ def decode(pictures: Sequence[Picture], width_px: int, height_px: int) -> Decode
     y, y_good = _position(grey[columns:], light)
     good &= x_good & y_good & (x < width_px) & (y < height_px)
     if np.count_nonzero(good) < LEAST_POINTS:
-        raise Refused(_why(white, black))
+        raise CalibrationError(_why(white, black))
     rows, across = np.nonzero(good)
     seen = np.column_stack([across, rows]).astype(np.float64) * STEP_PX
     return Decoded(width_px, height_px, seen, np.column_stack([x[good], y[good]]))

@@ -11,7 +11,7 @@ import numpy as np
 
 from halo_calibration.boards.board import Board, Picture, Printed
 from halo_calibration.boards.detect import DetectedBoard, detect, grey_of
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.image_places import largest, place
 
 LEAST_SHARE = 0.6
@@ -34,13 +34,13 @@ SOFT = 0.2
 
 
 def require_seen(seen: DetectedBoard, picture: Picture, board: Board) -> None:
-    """Raise `Refused` where a picture shows too little of a board to go on with."""
+    """Raise `CalibrationError` where a picture shows too little of a board to go on with."""
     if isinstance(board, Printed):
         enough = len(seen.missing) <= (1.0 - LEAST_SHARE) * len(board.middles_mm)
     else:
         enough = len(seen.numbers) >= LEAST_CORNERS
     if not enough:
-        raise Refused(explain(seen, picture, board))
+        raise CalibrationError(explain(seen, picture, board))
 
 
 def explain(seen: DetectedBoard, picture: Picture, board: Board) -> str:

@@ -10,8 +10,8 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from halo_calibration import steps
 from halo_calibration.boards.board import Printed
-from halo_calibration.errors import NO_HALO, Refused
-from halo_calibration.observe import Look, Observation, Observer
+from halo_calibration.errors import NO_HALO, CalibrationError
+from halo_calibration.observe import DetectHands, Observation, Observer
 from halo_calibration.solvers.background import WANTED_FRAMES
 from halo_calibration.solvers.sweep import SWEEP_S, SweepObservations, covered, draw_map, samples_of
 from halo_calibration.solvers.touch import HOLD_S, STATES, HoldObservations, check_hold
@@ -88,20 +88,20 @@ class GuidedCalibration:
         setup: Setup,
         session: Session,
         guide: Guide,
-        look_with: Callable[[Profile | None], Look],
+        detector_for: Callable[[Profile | None], DetectHands],
         hold_s: float = HOLD_S,
     ) -> None:
-        """`look_with` gives a hand tracker for the profile as far as it is known."""
+        """`detector_for` gives a hand tracker for the profile as far as it is known."""
         self.setup = setup
         self.session = session
         self.guide = guide
-        self._look_with = look_with
+        self._detector_for = detector_for
         self._hold_s = hold_s
         self.left_s = 0.0
 
     def background(self) -> Change:
-        """Take the empty surface."""
-        look = self._look_with(None)
+        """Calibrate the empty surface."""
+        detect = self._detector_for(None)
 
         def attempt() -> Change:
             self.guide.prompt(PROMPTS["background"])
@@ -111,12 +111,12 @@ class GuidedCalibration:
             for frame in self.timed("background", WANTED_FRAMES / self.setup.camera.fps):
                 self.guide.live(self.left_s, True, None)
                 frames.append(frame)
-            return steps.background_change(self.setup, frames, look)
+            return steps.background_change(self.setup, frames, detect)
 
         return self.until_good(attempt)
 
     def touch(self, profile: Profile) -> Change:
-        """Take the four states; a state that is not still is done again at once, the set once
+        """Calibrate the four states; a state that is not still is done again at once, the set once
         more where they overlap."""
         observer = self.observer(profile)
 
@@ -132,7 +132,7 @@ class GuidedCalibration:
         return self.until_good(attempt)
 
     def sweep(self, profile: Profile) -> Change:
-        """Take the sweep."""
+        """Calibrate the correction from the sweep."""
         observer = self.observer(profile)
 
         def attempt() -> Change:
@@ -156,22 +156,22 @@ class GuidedCalibration:
             self.guide.live(self.left_s, True, observation)
 
         frames = self.timed(prompt.name, seconds)
-        return steps.watch_sweep(frames, self.session.wanted(seconds), observer, watch)
+        return steps.watch_sweep(frames, self.session.frame_count(seconds), observer, watch)
 
     def observer(self, profile: Profile) -> Observer:
         """Return an observer for a profile's background."""
         setup = self.setup
-        return Observer(profile, self._look_with(profile), setup.settings, setup.side)
+        return Observer(profile, self._detector_for(profile), setup.settings, setup.side)
 
     def _held(self, state: str, observer: Observer) -> HoldObservations:
         self.guide.prompt(PROMPTS[state])
         self._ready(state, observer)
-        wanted = self.session.wanted(self._hold_s)
+        expected = self.session.frame_count(self._hold_s)
 
         def watch(observation: Observation | None) -> None:
             self.guide.live(self.left_s, True, observation)
 
-        return steps.watch_hold(state, self.timed(state, self._hold_s), wanted, observer, watch)
+        return steps.watch_hold(state, self.timed(state, self._hold_s), expected, observer, watch)
 
     def _ready(self, during: str, observer: Observer) -> None:
         """Count down, with the live signal."""
@@ -190,7 +190,7 @@ class GuidedCalibration:
         for left in reversed(range(ATTEMPTS)):
             try:
                 return attempt()
-            except Refused as refused:
+            except CalibrationError as refused:
                 if left == 0 or NO_HALO in str(refused):
                     raise
                 self.guide.say(f"{refused}.")

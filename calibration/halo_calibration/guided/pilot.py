@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.observe import Observer
 from halo_calibration.solvers.correction import Base, relative
@@ -42,8 +42,8 @@ def pilot_rounds(
                 f"it and draw it over the whole surface for {round_s:.0f} s, turning it a little."
             )
             swept = guided.swept(Prompt("pilot", words, angle), round_s, observer, profile)
-            require_frames(f"wedge {angle:.0f}", swept.wanted, swept.came)
-            yield angle, usable(samples_of(swept.seen), angle)
+            require_frames(f"wedge {angle:.0f}", swept.expected, swept.received)
+            yield angle, usable(samples_of(swept.observations), angle)
 
 
 def usable(samples: Samples, angle_deg: float) -> Samples:
@@ -57,12 +57,12 @@ def usable(samples: Samples, angle_deg: float) -> Samples:
 def pilot_samples(surface: Surface, rounds: Sequence[tuple[float, Samples]]) -> Samples:
     """Make one pilot's rounds comparable to another's: (N, 6), relative to the level at 45.
 
-    Raises `Refused` where the wedge's own angle has too few samples.
+    Raises `CalibrationError` where the wedge's own angle has too few samples.
     """
     wedge = [samples for angle, samples in rounds if angle == WEDGE_DEG]
     level = np.concatenate(wedge)[:, 4:6] if wedge else np.empty((0, 2))
     if len(level) < LEAST_SAMPLES:
-        raise Refused(
+        raise CalibrationError(
             f"only {len(level)} usable frames came at {WEDGE_DEG:.0f} degrees: keep the finger "
             f"on the wedge and its tip on the surface, and run the pilot again"
         )

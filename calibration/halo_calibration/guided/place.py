@@ -12,7 +12,7 @@ import numpy as np
 
 from halo_calibration.boards.board import SHEET, Board, Printed
 from halo_calibration.boards.detect import detect
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import READY_S, GuidedCalibration, Prompt
 from halo_calibration.solvers.dwell import Place, dwells_for
 from halo_calibration.solvers.rigid2d import TOUCHES, steady
@@ -55,7 +55,7 @@ class GuidedPlace:
         )
 
     def marker(self, profile: Profile, marker: Printed) -> Change:
-        """Take the pose of a printed marker."""
+        """Calibrate the pose of a printed marker."""
         prompt = Prompt(
             "marker",
             f"MARKER: fix {marker.name} where it shall stay, in the camera's view, and take your "
@@ -147,7 +147,7 @@ def _board_status(frame: Frame, camera: Camera, board: Board) -> str:
 
 def _require_alike(places: Sequence[Place]) -> None:
     if len(places) < TOUCHES:
-        raise Refused(
+        raise CalibrationError(
             f"only {len(places)} of {TOUCHES} touches were seen: keep the hand in the camera's "
             f"view, rest the stretched finger for half a second, lift it by a hand's width, and "
             f"touch again"

@@ -15,7 +15,7 @@ import numpy as np
 from halo_calibration.boards.board import Picture, Projected, crosses
 from halo_calibration.boards.detect import detect
 from halo_calibration.boards.graycode import count, patterns
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.guided.place import LOOK_S, GuidedPlace
 from halo_calibration.solvers.projector import CROSSES
@@ -68,9 +68,9 @@ class GuidedProjector:
         self._expose = expose
 
     def projector(self, profile: Profile, by: str) -> Change:
-        """Take the projector, by `markers`, `gray` or `touch`. Raises `Refused`."""
+        """Calibrate the projector, by `markers`, `gray` or `touch`. Raises `CalibrationError`."""
         if by == "gray" and not self._screen.changes:
-            raise Refused(
+            raise CalibrationError(
                 f"Gray code needs {count(*self._screen.size_px)} pictures one after the other, "
                 f"which one file cannot show: use --display, or --by markers"
             )

@@ -10,7 +10,7 @@ from itertools import islice
 
 from halo_calibration.boards.board import ANCHOR, Projected, anchor, crosses
 from halo_calibration.boards.graycode import count
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.observe import Observer
 from halo_calibration.scripted.script import ScriptStep
 from halo_calibration.solvers.dwell import Place, dwells_for, touches
@@ -40,7 +40,10 @@ def place_change(
     profile: Profile,
     observer_for: ObserverFor,
 ) -> Change:
-    """Take one step. `observer_for` gives an observer for a profile. Raises `Refused`."""
+    """Calibrate one step. `observer_for` gives an observer for a profile.
+
+    Raises `CalibrationError`.
+    """
     if line.step == "surface":
         return _surface(setup, line, frames, profile, observer_for)
     if line.step == "anchor":
@@ -93,11 +96,11 @@ def _projector(
 def _touched(
     frames: Iterable[Frame], profile: Profile, observer: Observer, marks: int, what: str
 ) -> list[list[Place]]:
-    """Take three touches of each mark, in order."""
+    """Find three touches of each mark, in order."""
     seen = (observer.see(frame) for frame in frames)
     found = touches(seen, dwells_for(profile, profile.camera.fps), marks * TOUCHES)
     if len(found) < marks * TOUCHES:
-        raise Refused(
+        raise CalibrationError(
             f"only {len(found)} touches of the {what} were seen, and {marks} x {TOUCHES} are "
             f"needed: rest the finger for half a second each time, lift it by a hand's width in "
             f"between, or correct the script's times"
@@ -116,7 +119,7 @@ def _views(frames: Iterable[Frame], setup: Setup, each_s: float, wanted: int) ->
             kept[int(number)].append(frame)
     for number, shown in kept.items():
         if not shown:
-            raise Refused(
+            raise CalibrationError(
                 f"no frame shows stripe picture {number + 1} of {wanted}: show each for half a "
                 f"second, or correct the script's times"
             )

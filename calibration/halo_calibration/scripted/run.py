@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from halo_calibration import steps
-from halo_calibration.observe import Look, Observation, Observer
+from halo_calibration.observe import DetectHands, Observation, Observer
 from halo_calibration.scripted.place import PLACE_STEPS, place_change
 from halo_calibration.scripted.script import ScriptStep, state_values_in
 from halo_calibration.solvers.touch import STATES, HoldObservations, check_hold
@@ -22,13 +22,13 @@ class ScriptedCalibration:
         self,
         setup: Setup,
         session: Session,
-        look_with: Callable[[Profile | None], Look],
+        detector_for: Callable[[Profile | None], DetectHands],
         say: Callable[[str], None],
     ) -> None:
-        """`look_with` gives a hand tracker for the profile as far as it is known."""
+        """`detector_for` gives a hand tracker for the profile as far as it is known."""
         self._setup = setup
         self._session = session
-        self._look_with = look_with
+        self._detector_for = detector_for
         self._say = say
         self._helds: dict[str, HoldObservations] = {}
         self._observer: Observer | None = None
@@ -36,7 +36,7 @@ class ScriptedCalibration:
     def run(self, lines: tuple[ScriptStep, ...], profile: Profile | None = None) -> Profile:
         """Return the profile; `profile` provides what the script does not calibrate.
 
-        Raises `Refused` with the first error.
+        Raises `CalibrationError` with the first error.
         """
         self._setup = replace(
             self._setup, state_values=state_values_in(lines, self._setup.state_values)
@@ -49,9 +49,9 @@ class ScriptedCalibration:
     def _take(self, line: ScriptStep, profile: Profile | None) -> Profile:
         step, setup = line.step, self._setup
         frames = self._session.between(line.from_s, line.to_s, step)
-        wanted = self._session.wanted(line.to_s - line.from_s)
+        expected = self._session.frame_count(line.to_s - line.from_s)
         if step == "background":
-            change = steps.background_change(setup, list(frames), self._look_with(None))
+            change = steps.background_change(setup, list(frames), self._detector_for(None))
             self._observer = None
         elif step in PLACE_STEPS:
             known = steps.require(profile, step)
@@ -60,7 +60,7 @@ class ScriptedCalibration:
                 self._observer = None  # its places are in the old frame
         elif step in STATES:
             known = steps.require(profile, step)
-            held = steps.watch_hold(step, frames, wanted, self._observer_for(known), _ignore)
+            held = steps.watch_hold(step, frames, expected, self._observer_for(known), _ignore)
             check_hold(held)  # refused at once if it is not good
             self._helds[step] = held
             if len(self._helds) < len(STATES):
@@ -68,7 +68,7 @@ class ScriptedCalibration:
             change = steps.touch_change(setup, self._helds)
         else:
             known = steps.require(profile, step)
-            swept = steps.watch_sweep(frames, wanted, self._observer_for(known), _ignore)
+            swept = steps.watch_sweep(frames, expected, self._observer_for(known), _ignore)
             change = steps.sweep_change(setup, swept, known)
         profile = change(profile)
         self._say(f"{step}: done" if step not in STATES else "touch: done")
@@ -77,8 +77,8 @@ class ScriptedCalibration:
     def _observer_for(self, profile: Profile) -> Observer:
         """Return one observer for all steps over the same background."""
         if self._observer is None:
-            look, settings = self._look_with(profile), self._setup.settings
-            self._observer = Observer(profile, look, settings, self._setup.side)
+            detect, settings = self._detector_for(profile), self._setup.settings
+            self._observer = Observer(profile, detect, settings, self._setup.side)
         return self._observer
 
 

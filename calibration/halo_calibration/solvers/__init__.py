@@ -1,1 +1,1 @@
-"""Pure: arrays in, values out. What cannot be used is refused (`Refused`) with the remedy."""
+"""Pure: arrays in, values out. A `CalibrationError` says what cannot be used, and the remedy."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from halo_calibration.boards.board import SQUARE, Picture, Printed, marker_squares
 from halo_calibration.boards.detect import detect
 from halo_calibration.boards.hints import require_seen
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.background import average
 from halo_calibration.solvers.rigid2d import Rigid, fit_rigid
 from halo_service.geometry.camera import Camera, Points
@@ -73,7 +73,7 @@ def anchor_pose(
 
     `picture`: (h, w) or (h, w, 3) uint8 of the colour lens; `depths`: (H, W) uint16 mm of the
     same time, one or better thirty; `background`: of the same camera without the marker.
-    Raises `Refused`; ValueError for a camera without colour.
+    Raises `CalibrationError`; ValueError for a camera without colour.
     """
     if camera.colour is None:
         raise ValueError("the camera has no colour lens")
@@ -107,13 +107,13 @@ def anchor_pose(
 
 def _require_true(scale: float, error_mm: float, marker: Printed) -> None:
     if abs(scale - 1.0) > SIZE_ERROR:
-        raise Refused(
+        raise CalibrationError(
             f"the {marker.name} measures {scale * marker.size_mm:.1f} mm and not the "
             f"{marker.size_mm:g} mm given: give the size of its black square, or print it at "
             f"100 %, and try again"
         )
     if error_mm > FLAT_MM:
-        raise Refused(
+        raise CalibrationError(
             f"the {marker.name} is no square (its corners are off by {error_mm:.1f} mm): fix it "
             f"on something flat, and try again"
         )
@@ -175,7 +175,8 @@ class _Depth:
     def plane_on(self, corners: Points) -> Points:
         """(3,) a, b, c of the plane z = a x + b y + c, in the surface's frame, through squares.
 
-        `corners`: (K * 4, 3) mm of the squares, in the depth camera's frame. Raises `Refused`.
+        `corners`: (K * 4, 3) mm of the squares, in the depth camera's frame.
+        Raises `CalibrationError`.
         """
         lens = self._camera.depth
         mask = np.zeros((lens.height, lens.width), np.uint8)
@@ -185,7 +186,7 @@ class _Depth:
         measured = on & self._both
         every, count = int(np.count_nonzero(on)), int(np.count_nonzero(measured))
         if count < LEAST_PX or count < LEAST_MEASURED * every:
-            raise Refused(
+            raise CalibrationError(
                 "the camera measures no depth on the marker: put it nearer to the surface's "
                 "middle, or print a larger one on paper that is not glossy, and try again"
             )

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.image_places import largest
 from halo_service.profile import Background
 from halo_service.values import Depth
@@ -37,10 +37,10 @@ def solve_background(depths: Sequence[Depth]) -> Background:
     """Average depth frames of the empty surface.
 
     `depths`: (H, W) uint16 mm, 0 = unmeasured; unmeasured values count for nothing.
-    Raises `Refused` for too few frames, or where something moved, saying where.
+    Raises `CalibrationError` for too few frames, or where something moved, saying where.
     """
     if len(depths) < LEAST_FRAMES:
-        raise Refused(
+        raise CalibrationError(
             f"only {len(depths)} of the {WANTED_FRAMES} frames of the empty surface came, and "
             f"{LEAST_FRAMES} are needed: the camera dropped frames; plug it into a USB 3 port of "
             f"its own, close other programs, and take the background again"
@@ -51,7 +51,7 @@ def solve_background(depths: Sequence[Depth]) -> Background:
     size, place = largest(moved)
     if size >= MOVED_BLOCKS:
         share = 100.0 * size / moved.size
-        raise Refused(
+        raise CalibrationError(
             f"something moved {place} of the picture while the background was taken (about "
             f"{share:.0f} % of it): keep hands and people out of the camera's view, and take it "
             f"again"

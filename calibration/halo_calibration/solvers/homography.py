@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.rigid2d import inside
 from halo_service.geometry.camera import Points
 from halo_service.geometry.surface import Surface
@@ -69,7 +69,7 @@ class PointPairs:
 def solve(
     known: PointPairs, size: tuple[int, int], surface: Surface, outlier_px: float
 ) -> HomographyFit:
-    """Fit a projector's picture of a size in px to points. Raises `Refused`.
+    """Fit a projector's picture of a size in px to points. Raises `CalibrationError`.
 
     `outlier_px`: what lies farther from the fit takes no part in it.
     """
@@ -78,7 +78,7 @@ def solve(
     _require_spread(there)
     matrix, used = _robust(here, there, outlier_px)
     if matrix is None or np.mean(used) < LEAST_INLIERS:
-        raise Refused(_contradiction(known, used, outlier_px))
+        raise CalibrationError(_contradiction(known, used, outlier_px))
     _require_spread(here[used])
     off_px = np.linalg.norm(mapped(matrix, here) - there, axis=1)
     off_mm = np.linalg.norm(mapped(np.linalg.inv(matrix), there) - here, axis=1)
@@ -148,13 +148,13 @@ def mapped(matrix: Points, points: Points) -> Points:
 
 def _require_spread(points: Points) -> None:
     if len(points) < DOF or not np.isfinite(points).all():
-        raise Refused(
+        raise CalibrationError(
             f"only {len(points)} points are known on the surface, and {DOF} are the least: let "
             f"the camera see more of the projector's picture"
         )
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[1] < THIN * spread[0]:
-        raise Refused(
+        raise CalibrationError(
             "the points lie in a line, which leaves the area next to it open: let the camera "
             "see the whole picture of the projector, and try again"
         )
@@ -167,7 +167,7 @@ def _covered(matrix: Points, known: PointPairs, seen: Points, surface: Surface) 
     places = shares * (surface.width_mm, surface.height_mm)
     lit = inside(places, mapped(np.linalg.inv(matrix), known.offered))
     if np.mean(lit) < LIT:
-        raise Refused(
+        raise CalibrationError(
             f"the projector lights only {100.0 * np.mean(lit):.0f} % of the surface: turn or move "
             f"it until its picture lies on the surface, and try again"
         )

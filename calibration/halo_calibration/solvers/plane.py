@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.linear_model import LinearRegression, RANSACRegressor
 
-from halo_calibration.errors import NO_HALO, Refused
+from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.image_places import largest
 from halo_service.geometry.camera import Camera, Points
 from halo_service.geometry.surface import Surface, from_view
@@ -63,7 +63,7 @@ class Plane:
 def solve_plane(background: Background, camera: Camera) -> Plane:
     """Fit the plane that lies around the optical axis.
 
-    Raises `Refused` where too little is measured there, or no plane is.
+    Raises `CalibrationError` where too little is measured there, or no plane is.
     """
     rows, columns = np.mgrid[: camera.depth.height : STEP_PX, : camera.depth.width : STEP_PX]
     valid = background.valid[::STEP_PX, ::STEP_PX]
@@ -74,7 +74,7 @@ def solve_plane(background: Background, camera: Camera) -> Plane:
     measured = valid.ravel()
     if np.count_nonzero(central & measured) < LEAST_MEASURED * np.count_nonzero(central):
         share = 100.0 * np.count_nonzero(central & measured) / np.count_nonzero(central)
-        raise Refused(
+        raise CalibrationError(
             f"only {share:.0f} % of the surface gives a depth at all; {NO_HALO}; or the camera is "
             f"covered or too far away: it should stand 45 to 70 cm above"
         )
@@ -83,14 +83,14 @@ def solve_plane(background: Background, camera: Camera) -> Plane:
     if np.count_nonzero(off[central & measured] < REACH_MM) < LEAST_ON_PLANE * np.count_nonzero(
         central & measured
     ):
-        raise Refused(
+        raise CalibrationError(
             "there is no flat surface in the middle of the camera's view: clear the table, or "
             "point the camera at it, and take the background again"
         )
     normal, offset = _refined(points[measured], normal, offset)
     tilt_deg = float(np.degrees(np.arccos(min(normal[2], 1.0))))
     if tilt_deg > STEEPEST_DEG:
-        raise Refused(
+        raise CalibrationError(
             f"the camera sees the surface at {tilt_deg:.0f} degrees from straight above, and the "
             f"halo fades beyond {STEEPEST_DEG:.0f}: let it look down more steeply"
         )

@@ -15,7 +15,7 @@ from halo_calibration.boards.board import SQUARE, Picture, Projected, crosses
 from halo_calibration.boards.detect import DetectedBoard, detect
 from halo_calibration.boards.graycode import Decoded
 from halo_calibration.boards.hints import require_seen
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.image_places import place
 from halo_calibration.solvers.homography import HomographyFit, PointPairs, mapped, solve
 from halo_calibration.solvers.rigid2d import steady
@@ -39,7 +39,7 @@ CROSSES = tuple(
 def projector_by_markers(
     picture: Picture, board: Projected, lens: Lens, lens_from_camera: Points, surface: Surface
 ) -> HomographyFit:
-    """Solve from one picture of the projected ChArUco board. Raises `Refused`.
+    """Solve from one picture of the projected ChArUco board. Raises `CalibrationError`.
 
     `picture`: (h, w) or (h, w, 3) uint8 through `lens`; `lens_from_camera`: (4, 4) mm from the
     depth camera's frame.
@@ -52,7 +52,7 @@ def projector_by_markers(
 def projector_of(
     seen: DetectedBoard, board: Projected, lens: Lens, lens_from_camera: Points, surface: Surface
 ) -> HomographyFit:
-    """Solve from the board's points, once they were seen. Raises `Refused`."""
+    """Solve from the board's points, once they were seen. Raises `CalibrationError`."""
     known = PointPairs(
         surface.seen_at(seen.picture, lens, lens_from_camera),
         seen.board,
@@ -66,7 +66,7 @@ def projector_of(
         back = np.linalg.inv(solved.projector.projector_from_surface)
         hidden = mapped(back, board.points_px[list(seen.missing)])
         where = place(*(hidden.mean(axis=0) / (surface.width_mm, surface.height_mm)).clip(0.0, 1.0))
-        raise Refused(
+        raise CalibrationError(
             f"only {100.0 * solved.covered:.0f} % of the surface under the projected board was "
             f"seen, it is hidden {where}: take away what covers it, and try again"
         )
@@ -76,7 +76,7 @@ def projector_of(
 def projector_by_gray_code(
     decoded: Decoded, lens: Lens, lens_from_camera: Points, surface: Surface
 ) -> HomographyFit:
-    """Solve from decoded Gray code pictures, taken through `lens`. Raises `Refused`."""
+    """Solve from decoded Gray code pictures, taken through `lens`. Raises `CalibrationError`."""
     size = decoded.width_px, decoded.height_px
     known = PointPairs(
         surface.seen_at(decoded.picture, lens, lens_from_camera),
@@ -87,7 +87,7 @@ def projector_by_gray_code(
     solved = solve(known, size, surface, OUTLIER_PX)
     _require_close(solved.error_px, WORST_PX, "px", "let nothing move, focus the projector")
     if solved.covered < COVERED:
-        raise Refused(
+        raise CalibrationError(
             f"only {100.0 * solved.covered:.0f} % of the surface in the projector's light was "
             f"seen: take away what covers it, and try again"
         )
@@ -97,7 +97,7 @@ def projector_by_gray_code(
 def projector_by_touches(
     touches: Sequence[Points], width_px: int, height_px: int, surface: Surface
 ) -> HomographyFit:
-    """Solve from nine projected `crosses`, each touched three times. Raises `Refused`.
+    """Solve from nine projected `crosses`, each touched three times. Raises `CalibrationError`.
 
     `touches`: nine times (N, 2) mm on the surface, in the order of `crosses`.
     """
@@ -114,7 +114,7 @@ def projector_by_touches(
 
 def _require_close(error: float, worst: float, unit: str, remedy: str) -> None:
     if error > worst:
-        raise Refused(
+        raise CalibrationError(
             f"the fit is off by {error:.1f} {unit}, and {worst:.0f} are the most: {remedy}, and "
             f"try again"
         )

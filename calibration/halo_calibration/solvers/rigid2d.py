@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_service.geometry.camera import Points
 
 EDGE = 1e-3
@@ -58,13 +58,13 @@ def inside(points: Points, around: Points) -> NDArray[np.bool_]:
 
 
 def steady(what: str, touches: Points) -> Points:
-    """(2,) the middle of (N, 2) repeated touches, mm. Raises `Refused` where they differ."""
+    """(2,) the middle of (N, 2) repeated touches, mm. Raises `CalibrationError` if they differ."""
     if len(touches) < TOUCHES:
-        raise Refused(f"{what} was touched {len(touches)} times: touch it {TOUCHES} times")
+        raise CalibrationError(f"{what} was touched {len(touches)} times: touch it {TOUCHES} times")
     middle = np.median(touches, axis=0)
     apart = float(np.linalg.norm(touches - middle, axis=1).max())
     if apart > STEADY_MM:
-        raise Refused(
+        raise CalibrationError(
             f"the touches of {what} lie up to {apart:.0f} mm apart: touch it again at the "
             f"same mark, with the same finger held the same way each time"
         )

@@ -14,7 +14,7 @@ import numpy as np
 from halo_calibration.boards.board import SHEET, Picture
 from halo_calibration.boards.detect import DetectedBoard, detect
 from halo_calibration.boards.hints import require_seen
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.rigid2d import fit_rigid, steady
 from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface
@@ -59,7 +59,7 @@ def surface_by_markers(
     """Lay a surface of a size around the middle of the printed sheet.
 
     `picture`: (h, w) or (h, w, 3) uint8 through `lens`; `lens_from_camera`: (4, 4) mm from the
-    depth camera's frame; `plane`: any surface on the plane. Raises `Refused`.
+    depth camera's frame; `plane`: any surface on the plane. Raises `CalibrationError`.
     """
     seen = detect(picture, SHEET)
     require_seen(seen, picture, SHEET)
@@ -74,12 +74,12 @@ def surface_of(
     width_mm: float,
     height_mm: float,
 ) -> SurfaceFit:
-    """Lay a surface around the sheet's middle, once the sheet was seen. Raises `Refused`."""
+    """Lay a surface around the middle of a sheet that was seen. Raises `CalibrationError`."""
     check_size(width_mm, height_mm)
     places = plane.seen_at(seen.picture, lens, lens_from_camera)
     rigid = fit_rigid(seen.board, places)
     if abs(rigid.scale - 1.0) > PRINT_ERROR:
-        raise Refused(
+        raise CalibrationError(
             f"the sheet's markers measure {100.0 * rigid.scale:.1f} % of their true size: print it "
             f"at 100 %, not 'fit to page', check the ruler on it, and lay it flat on the table "
             f"itself"
@@ -89,7 +89,7 @@ def surface_of(
     surface = plane.moved(rigid.there_from_here @ corner, width_mm, height_mm)
     error_mm = _rms(rigid.off_mm)
     if error_mm > FLAT_MM:
-        raise Refused(
+        raise CalibrationError(
             f"the sheet does not lie flat (its markers are off by {error_mm:.1f} mm): smooth it, "
             f"fix its corners with tape, and try again"
         )
@@ -103,7 +103,7 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
     """Return the rectangle with the touched corners: far left, far right, near right, near left.
 
     `touches`: four times (N, 2) mm in the frame of `plane`, three touches or more each.
-    Raises `Refused` where they differ, are in another order, or are no rectangle.
+    Raises `CalibrationError` where they differ, are in another order, or are no rectangle.
     """
     middles = np.array(
         [steady(f"the {name} corner", at) for name, at in zip(CORNERS, touches, strict=True)]
@@ -114,7 +114,7 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
     # A quarter turn back, so that a rectangle's sides point the same way.
     down = ((near_left + near_right) - (far_left + far_right)) / 2.0 * -1j
     if (across * np.conj(down)).real <= 0.0:
-        raise Refused(
+        raise CalibrationError(
             f"the corners were touched in another order: touch {', '.join(CORNERS)}, as you sit"
         )
     turn = np.sqrt(across**2 + down**2)
@@ -126,7 +126,7 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
     rigid = fit_rigid(square, middles)
     worst = int(np.argmax(rigid.off_mm))
     if rigid.off_mm[worst] > SQUARE_MM:
-        raise Refused(
+        raise CalibrationError(
             f"the four corners are no rectangle (the {CORNERS[worst]} one is off by "
             f"{rigid.off_mm[worst]:.0f} mm): touch them again, each at the same mark"
         )
@@ -135,10 +135,10 @@ def surface_by_touches(touches: Sequence[Points], plane: Surface) -> SurfaceFit:
 
 
 def check_size(width_mm: float, height_mm: float) -> None:
-    """Raise `Refused` for a surface that is none."""
+    """Raise `CalibrationError` for a surface that is none."""
     low, high = SIZE_MM
     if not all(low <= size <= high for size in (width_mm, height_mm)):
-        raise Refused(
+        raise CalibrationError(
             f"a surface of {width_mm:.0f} x {height_mm:.0f} mm cannot be used: its sides may be "
             f"{low:.0f} to {high:.0f} mm long"
         )

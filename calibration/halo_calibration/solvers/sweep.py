@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.image_places import place
 from halo_calibration.observe import Observation
 from halo_calibration.solvers.touch import require_frames, require_seen
@@ -37,17 +37,17 @@ COLUMNS = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SweepObservations:
-    """What was seen during a sweep."""
+    """What was observed during a sweep."""
 
-    wanted: int
+    expected: int
     """Frames that the camera should have given in that time."""
-    came: int
-    seen: tuple[Observation, ...]
+    received: int
+    observations: tuple[Observation, ...]
 
 
-def samples_of(seen: Sequence[Observation]) -> Samples:
+def samples_of(observations: Sequence[Observation]) -> Samples:
     """Return the observations as an array."""
-    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, *o.readings) for o in seen]
+    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, *o.readings) for o in observations]
     return np.array(rows, dtype=np.float64).reshape(-1, COLUMNS)
 
 
@@ -65,14 +65,14 @@ def covered(samples: Samples, surface: Surface) -> NDArray[np.int_]:
 
 
 def check_sweep(swept: SweepObservations, surface: Surface, step: str = "sweep") -> Samples:
-    """Return the usable samples; raises `Refused` where they are too few or cover too little."""
-    require_frames(step, swept.wanted, swept.came)
-    require_seen(step, swept.came, len(swept.seen))
-    samples = samples_of(swept.seen)
+    """Return the usable samples. Raises `CalibrationError` if too few, or they cover too little."""
+    require_frames(step, swept.expected, swept.received)
+    require_seen(step, swept.received, len(swept.observations))
+    samples = samples_of(swept.observations)
     lifted = ~rests(samples)
     if np.count_nonzero(lifted) > MOST_LIFTED * len(samples):
         share = 100.0 * np.count_nonzero(lifted) / len(samples)
-        raise Refused(
+        raise CalibrationError(
             f"the finger was off the surface in {share:.0f} % of the sweep: rest it on the wedge, "
             f"keep its tip on the surface, and sweep again"
         )
@@ -80,7 +80,7 @@ def check_sweep(swept: SweepObservations, surface: Surface, step: str = "sweep")
     counts = covered(samples, surface)
     share = coverage(counts)
     if share < LEAST_COVERED:
-        raise Refused(
+        raise CalibrationError(
             f"the sweep covered only {100.0 * share:.0f} % of the surface; missing most "
             f"{_missing(counts)}: draw the finger over all of it, out to the edges, and sweep again"
         )

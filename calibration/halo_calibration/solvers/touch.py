@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from halo_calibration.errors import NO_HALO, Refused
+from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.observe import THICKNESS_MM, Observation
 from halo_service.profile import Correction, TouchState, TouchStates
 from halo_service.profile.model import Quality
@@ -20,7 +20,7 @@ STATES = ("hover", "subtle", "touch", "pressure")
 """From the weakest halo to the strongest (paper 4.3.5)."""
 HOLD_S = 2.0
 """How long each is held."""
-LEAST_CAME = 0.6
+LEAST_RECEIVED = 0.6
 """Share of a state's frames that must arrive at all."""
 LEAST_SEEN = 0.5
 """Share of the frames that came in which the finger must be seen."""
@@ -63,14 +63,14 @@ class StateValues:
 
 @dataclass(frozen=True, slots=True)
 class HoldObservations:
-    """What was seen while one state was held."""
+    """What was observed while one state was held."""
 
     state: str
-    wanted: int
+    expected: int
     """Frames that the camera should have given in that time."""
-    came: int
+    received: int
     """Frames that it gave."""
-    seen: tuple[Observation, ...]
+    observations: tuple[Observation, ...]
     """Frames in which the finger was found."""
 
 
@@ -87,36 +87,36 @@ class Middle:
 
 
 def check_hold(held: HoldObservations) -> Middle:
-    """Reduce one held state; raises `Refused` where it was not held still or not seen."""
-    require_frames(held.state, held.wanted, held.came)
-    require_seen(held.state, held.came, len(held.seen))
-    where = np.array([(each.x_mm, each.y_mm) for each in held.seen])
+    """Reduce one held state; raises `CalibrationError` where it was not held still or not seen."""
+    require_frames(held.state, held.expected, held.received)
+    require_seen(held.state, held.received, len(held.observations))
+    where = np.array([(each.x_mm, each.y_mm) for each in held.observations])
     off = np.hypot(*(where - np.median(where, axis=0)).T)
     spread_mm = float(np.percentile(off, 90))
     if spread_mm > STILL_MM:
-        raise Refused(
+        raise CalibrationError(
             f"the finger moved by {spread_mm:.0f} mm during '{held.state}': rest the wrist, hold "
             f"still for {HOLD_S:.0f} seconds, and do this state again"
         )
-    return Middle(*_reading([each.raw for each in held.seen], NOISE_FLOOR_MM_PX), spread_mm)
+    return Middle(*_reading([each.raw for each in held.observations], NOISE_FLOOR_MM_PX), spread_mm)
 
 
-def require_frames(step: str, wanted: int, came: int) -> None:
-    """Raise `Refused` where the camera dropped too many frames."""
-    if came < LEAST_CAME * wanted:
-        raise Refused(
-            f"only {came} of {wanted} frames came during '{step}': the camera dropped the others; "
-            f"plug it into a USB 3 port of its own, close other programs, and do it again"
+def require_frames(step: str, expected: int, received: int) -> None:
+    """Raise `CalibrationError` where the camera dropped too many frames."""
+    if received < LEAST_RECEIVED * expected:
+        raise CalibrationError(
+            f"only {received} of {expected} frames came during '{step}': the camera dropped the "
+            f"others; plug it into a USB 3 port of its own, close other programs, and do it again"
         )
 
 
-def require_seen(step: str, came: int, seen: int) -> None:
-    """Raise `Refused` where the hand tracker found the finger too rarely."""
-    if seen < LEAST_SEEN * came:
-        raise Refused(
-            f"the finger was found in only {seen} of {came} frames during '{step}': stretch the "
-            f"index finger, curl the others, keep the whole hand in the camera's view, and do it "
-            f"again"
+def require_seen(step: str, received: int, seen: int) -> None:
+    """Raise `CalibrationError` where the hand tracker found the finger too rarely."""
+    if seen < LEAST_SEEN * received:
+        raise CalibrationError(
+            f"the finger was found in only {seen} of {received} frames during '{step}': stretch "
+            f"the index finger, curl the others, keep the whole hand in the camera's view, and do "
+            f"it again"
         )
 
 
@@ -125,17 +125,17 @@ def solve_touch(
 ) -> tuple[TouchStates, float, Quality]:
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
-    Raises `Refused`: a state moved, two overlap or are swapped, or the surface shows no halo.
+    Raises `CalibrationError`: a state moved, two overlap or are swapped, or there is no halo.
     The halo's signal decides. Where no depth of the halo separates two states, the signal alone is
     used between them; the quality is then fair.
     """
     middles = {state: check_hold(holds[state]) for state in STATES}
     if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
-        raise Refused(NO_HALO)
+        raise CalibrationError(NO_HALO)
     apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
     hover_mm = state_values.of("hover")[0]
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
-    seen = holds["hover"].seen
+    seen = holds["hover"].observations
     states = TouchStates(
         **{state: _held_state(holds[state], middles[state], state_values) for state in STATES},
         line_px_at_hover=float(np.median([each.line_px for each in seen])),
@@ -191,10 +191,10 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
         force_g=force_g,
         stated=given,
         raw=middle.signal,
-        x_mm=_median([each.x_mm for each in held.seen]),
-        y_mm=_median([each.y_mm for each in held.seen]),
-        pitch_deg=_median([each.pitch_deg for each in held.seen]),
-        yaw_deg=_median([each.yaw_deg for each in held.seen]),
+        x_mm=_median([each.x_mm for each in held.observations]),
+        y_mm=_median([each.y_mm for each in held.observations]),
+        pitch_deg=_median([each.pitch_deg for each in held.observations]),
+        yaw_deg=_median([each.yaw_deg for each in held.observations]),
         readings=readings,
         raw_readings=readings,
         noise=noise,
@@ -204,9 +204,9 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
 def _readings(held: HoldObservations) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the median and deviation of each reading; both 0 where it was often hidden."""
     medians, noises = [], []
-    for each in zip(*(seen.readings for seen in held.seen), strict=True):
+    for each in zip(*(seen.readings for seen in held.observations), strict=True):
         shown = [value for value in each if math.isfinite(value)]
-        known = len(shown) >= LEAST_SEEN * held.came
+        known = len(shown) >= LEAST_SEEN * held.received
         median, noise = _reading(shown, 0.0) if known else (0.0, 0.0)
         medians.append(median)
         noises.append(noise)
@@ -219,12 +219,12 @@ def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
     sigmas = _sigmas((a.signal, a.noise), (b.signal, b.noise))
     values = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
     if sigmas < -APART_SIGMAS:
-        raise Refused(
+        raise CalibrationError(
             f"'{low}' shows a stronger halo than '{high}' {values}: were the two swapped? The halo "
             f"grows from hover over subtle and touch to pressure; do these two again in that order"
         )
     if sigmas < APART_SIGMAS:
-        raise Refused(
+        raise CalibrationError(
             f"'{low}' and '{high}' overlap {values}: {_REMEDIES[high]}, and do both again"
         )
     return sigmas

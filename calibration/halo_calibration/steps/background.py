@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from halo_calibration.errors import Refused
-from halo_calibration.observe import Look
+from halo_calibration.errors import CalibrationError
+from halo_calibration.observe import DetectHands
 from halo_calibration.solvers.background import halo_threshold, solve_background
 from halo_calibration.solvers.change_surface import moved_to
 from halo_calibration.solvers.plane import Plane, solve_plane, surface_from_view
@@ -25,10 +25,10 @@ FAIR_RESIDUAL_MM, FAIR_LEFT_OUT = 3.0, 0.25
 """Beyond these the plane is rated fair: the sensor's own unevenness is 1 to 2 mm."""
 
 
-def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Change:
-    """Calibrate the empty surface, and the plane it lies in. Raises `Refused`."""
+def background_change(setup: Setup, frames: Sequence[Frame], detect: DetectHands) -> Change:
+    """Calibrate the empty surface, and the plane it lies in. Raises `CalibrationError`."""
     background = solve_background([frame.depth for frame in frames])
-    _refuse_hands(frames, look)
+    _refuse_hands(frames, detect)
     plane = solve_plane(background, setup.camera)
     noise_mm = float(np.median(background.noise_mm[background.valid]))
     share = float(np.mean(background.valid))
@@ -60,8 +60,10 @@ def background_change(setup: Setup, frames: Sequence[Frame], look: Look) -> Chan
 
 
 def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200.0) -> Change:
-    """Reset the surface's frame, from the background that the profile has. Raises `Refused`
-    for a size that no surface has."""
+    """Reset the surface's frame, from the background that the profile has.
+
+    Raises `CalibrationError` for a size that no surface has.
+    """
     check_size(width_mm, height_mm)
 
     def change(before: Profile | None) -> Profile:
@@ -75,11 +77,11 @@ def surface_change(setup: Setup, width_mm: float = 300.0, height_mm: float = 200
     return change
 
 
-def _refuse_hands(frames: Sequence[Frame], look: Look) -> None:
+def _refuse_hands(frames: Sequence[Frame], detect: DetectHands) -> None:
     looked = frames[::HANDS_LOOKED_FOR]
-    found = sum(bool(look(frame).hands) for frame in looked)
+    found = sum(bool(detect(frame).hands) for frame in looked)
     if found >= max(2, len(looked) // 3):
-        raise Refused(
+        raise CalibrationError(
             "a hand was in the camera's view while the background was recorded: remove it, and "
             "record the background again"
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.observe import Observation, Observer
 from halo_calibration.solvers.correction import Base
 from halo_calibration.solvers.touch import StateValues
@@ -40,27 +40,29 @@ class Setup:
 
 
 def require(profile: Profile | None, step: str) -> Profile:
-    """Return the profile that a step builds on; raises `Refused` where the step before lacks."""
+    """Return the profile of the steps before. Raises `CalibrationError` if a step is missing."""
     if profile is None:
-        raise Refused(f"'{step}' needs the background first: run 'halo calibrate background'")
+        raise CalibrationError(
+            f"'{step}' needs the background first: run 'halo calibrate background'"
+        )
     if step == "sweep" and profile.touch is None:
-        raise Refused("'sweep' needs the four states first: run 'halo calibrate touch'")
+        raise CalibrationError("'sweep' needs the four states first: run 'halo calibrate touch'")
     return profile
 
 
 def watched(
     frames: Iterable[Frame], observer: Observer, watch: Watch
 ) -> tuple[int, tuple[Observation, ...]]:
-    came, seen = 0, []
+    received, observations = 0, []
     for frame in frames:
-        came += 1
+        received += 1
         observation = observer.see(frame)
         watch(observation)
         if observation is not None:
-            seen.append(observation)
-    return came, tuple(seen)
+            observations.append(observation)
+    return received, tuple(observations)
 
 
 def rounded(**figures: float) -> dict[str, float]:
-    """Return a step's figures as they are kept."""
+    """Return a step's figures as they are stored."""
     return {name: round(float(value), 4) for name, value in figures.items()}

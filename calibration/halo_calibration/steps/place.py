@@ -14,7 +14,7 @@ import numpy as np
 
 from halo_calibration.boards.board import Picture, Printed, Projected
 from halo_calibration.boards.graycode import decode
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.anchor import anchor_pose
 from halo_calibration.solvers.change_surface import moved_to
 from halo_calibration.solvers.dwell import Place
@@ -58,10 +58,10 @@ class View:
 
 
 def colour_view(frames: Iterable[Frame], camera: Camera) -> View:
-    """Average the colour of frames of a still table. Raises `Refused` where there is none."""
+    """Average the colour of frames of a still table. Raises `CalibrationError` without colour."""
     colours = [each for each in (_decoded(frame) for frame in frames) if each is not None]
     if camera.colour is None or not colours:
-        raise Refused(
+        raise CalibrationError(
             "the camera gives no colour picture, and the projector's light is in no other: record "
             "with colour, or calibrate the projector by touch"
         )
@@ -82,7 +82,7 @@ def sheet_change(
     width_mm: float = 300.0,
     height_mm: float = 200.0,
 ) -> Change:
-    """Lay the surface around the printed sheet. Raises `Refused`."""
+    """Lay the surface around the printed sheet. Raises `CalibrationError`."""
     view = sheet_view(frames, setup.camera)
     fit = surface_by_markers(
         view.picture, view.lens, view.lens_from_camera, profile.surface, width_mm, height_mm
@@ -94,7 +94,7 @@ def sheet_change(
 def corners_change(setup: Setup, touches: Sequence[Sequence[Place]], profile: Profile) -> Change:
     """Lay the surface between four touched corners, far left first, clockwise.
 
-    `touches`: in the frame of the profile's surface. Raises `Refused`.
+    `touches`: in the frame of the profile's surface. Raises `CalibrationError`.
     """
     fit = surface_by_touches([np.array(each) for each in touches], profile.surface)
     return _surface_fit_change(setup, fit, rounded(error_mm=fit.error_mm), GOOD_CORNERS_MM)
@@ -103,7 +103,7 @@ def corners_change(setup: Setup, touches: Sequence[Sequence[Place]], profile: Pr
 def board_change(
     setup: Setup, frames: Iterable[Frame], profile: Profile, board: Projected
 ) -> Change:
-    """Take the projector from its board, seen in colour. Raises `Refused`."""
+    """Calibrate the projector from its board, seen in colour. Raises `CalibrationError`."""
     view = colour_view(frames, setup.camera)
     solved = projector_by_markers(
         view.picture, board, view.lens, view.lens_from_camera, profile.surface
@@ -117,9 +117,9 @@ def stripes_change(
     profile: Profile,
     size_px: tuple[int, int],
 ) -> Change:
-    """Take the projector from Gray code: a view of each picture, in the pictures' order.
+    """Calibrate the projector from Gray code: a view of each picture, in the pictures' order.
 
-    Raises `Refused`.
+    Raises `CalibrationError`.
     """
     decoded = decode([view.picture for view in views], *size_px)
     solved = projector_by_gray_code(
@@ -134,7 +134,7 @@ def crosses_change(
     profile: Profile,
     size_px: tuple[int, int],
 ) -> Change:
-    """Take the projector from its nine touched crosses. Raises `Refused`."""
+    """Calibrate the projector from its nine touched crosses. Raises `CalibrationError`."""
     solved = projector_by_touches([np.array(each) for each in touches], *size_px, profile.surface)
     return _projector_change(setup, solved, solved.error_mm < GOOD_CROSSES_MM)
 
@@ -142,7 +142,7 @@ def crosses_change(
 def anchor_change(
     setup: Setup, frames: Sequence[Frame], profile: Profile, marker: Printed
 ) -> Change:
-    """Take the pose of a printed marker. Raises `Refused`."""
+    """Calibrate the pose of a printed marker. Raises `CalibrationError`."""
     view = colour_view(frames, setup.camera)
     depths = [frame.depth for frame in frames]
     found = anchor_pose(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_service.sources import EndOfSource, Source
 from halo_service.values import BadFrame, Frame
 
@@ -23,7 +23,7 @@ class Session:
         self._ahead: Frame | BadFrame | None = None
         """Read, but belongs to the next piece."""
 
-    def wanted(self, seconds: float) -> int:
+    def frame_count(self, seconds: float) -> int:
         """Return how many frames the camera gives in a time."""
         return round(seconds * self._source.camera.fps)
 
@@ -44,7 +44,7 @@ class Session:
         while True:
             try:
                 capture = self._read(during)
-            except _Ended:
+            except _EndedError:
                 return
             assert self._first_us is not None  # the first read sets it
             seconds = (capture.time_us - self._first_us) / US_PER_S
@@ -62,7 +62,7 @@ class Session:
             try:
                 capture = self._source.read(READ_S)
             except EndOfSource:
-                raise _Ended(
+                raise _EndedError(
                     f"the recording ended during '{during}': record all of it, or correct the "
                     f"script's times"
                 ) from None
@@ -70,11 +70,11 @@ class Session:
                 if self._first_us is None:
                     self._first_us = capture.time_us
                 return capture
-        raise Refused(
+        raise CalibrationError(
             f"no frame came for {PATIENCE * READ_S:.0f} s during '{during}': check the camera's "
             f"cable, and start again"
         )
 
 
-class _Ended(Refused):
+class _EndedError(CalibrationError):
     pass

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.observe import Observer
 from halo_calibration.solvers.correction import (
     Base,
@@ -32,21 +32,21 @@ FAIR_CORRECTED = 0.15
 
 
 def watch_sweep(
-    frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch
+    frames: Iterable[Frame], expected: int, observer: Observer, watch: Watch
 ) -> SweepObservations:
     """Watch a finger that is drawn over the surface."""
-    came, seen = watched(frames, observer, watch)
-    return SweepObservations(wanted, came, seen)
+    received, observations = watched(frames, observer, watch)
+    return SweepObservations(expected, received, observations)
 
 
 def sweep_change(setup: Setup, swept: SweepObservations, profile: Profile) -> Change:
-    """Calibrate the correction from a sweep over a surface. Raises `Refused` if it is poor."""
+    """Calibrate the correction from a sweep. Raises `CalibrationError` if the sweep is poor."""
     surface = profile.surface
     samples = check_sweep(swept, surface)
     fit = cross_validate(surface, setup.base, samples)
     left = min(fit.modelled, least_variation(samples))
     if left > fit.raw and left > FAIR_CORRECTED:
-        raise Refused(
+        raise CalibrationError(
             f"the halo of the sweep cannot be predicted ({100 * left:.0f} % is left of "
             f"{100 * fit.raw:.0f} %): rest the finger on the wedge all the time, draw it slowly "
             f"and evenly, and sweep again"

@@ -19,15 +19,15 @@ NO_DENTS = (
 
 
 def watch_hold(
-    state: str, frames: Iterable[Frame], wanted: int, observer: Observer, watch: Watch
+    state: str, frames: Iterable[Frame], expected: int, observer: Observer, watch: Watch
 ) -> HoldObservations:
     """Watch a finger that is held in one of the four states."""
-    came, seen = watched(frames, observer, watch)
-    return HoldObservations(state, wanted, came, seen)
+    received, observations = watched(frames, observer, watch)
+    return HoldObservations(state, expected, received, observations)
 
 
 def touch_change(setup: Setup, holds: Mapping[str, HoldObservations]) -> Change:
-    """Calibrate the four states. Raises `Refused` at once where they are not good enough."""
+    """Calibrate the four states. Raises `CalibrationError` if they are not good enough."""
     solve_touch(holds, setup.state_values, None)
 
     def change(before: Profile | None) -> Profile:

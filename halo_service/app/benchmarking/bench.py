@@ -91,16 +91,20 @@ class Service:
     """The parts of the service and of the paper's pipeline, as `halo serve` would connect them."""
 
     def __init__(
-        self, take: LatencyRecording, profile: Profile, regressor: Regressor, settings: Settings
+        self,
+        recording: LatencyRecording,
+        profile: Profile,
+        regressor: Regressor,
+        settings: Settings,
     ) -> None:
-        self._take = take
+        self._recording = recording
         self._profile = profile
         self._regressor = regressor
         self._settings = settings
 
     def tracker(self) -> TrackerThread:
         """Start the hand tracker in its thread."""
-        make = partial(HandDetector, self._take.camera, self._profile, self._settings.tracking)
+        make = partial(HandDetector, self._recording.camera, self._profile, self._settings.tracking)
         return TrackerThread(make)
 
     def state(self) -> State:
@@ -110,9 +114,9 @@ class Service:
     def publisher(self, watch: Stopwatch, port: int) -> tuple[Publisher, Callable[[], None]]:
         """Return a publisher to a port of this machine, and a function that closes it."""
         carrier = TimedCarrier(OscOutput([Destination("127.0.0.1", port)]), watch)
-        name, take = self._profile.surface.name, self._take
+        name, recording = self._profile.surface.name, self._recording
         frames = FrameEncoder(NODE, SESSION, 0)
-        return Publisher(frames, [carrier], take.kind, take.camera, name), carrier.close
+        return Publisher(frames, [carrier], recording.kind, recording.camera, name), carrier.close
 
     def sequential(self, watch: Stopwatch) -> tuple[Sequential, Callable[[], None]]:
         """Return the paper's pipeline with its own tracker, and a function that closes it."""
@@ -131,19 +135,19 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
         simulated = parse_sim_url(source)
         profile = _profile_for(request.profile) or _measured(simulated, settings)
         with progress(f"rendering {source}", round(request.seconds * FPS)) as bar:
-            take = simulate(source, simulated, request.seconds, bar.advance)
+            recording = simulate(source, simulated, request.seconds, bar.advance)
     elif kind == "recording" and rest:
         given = _profile_for(request.profile)
         if given is None:
             raise UserError("bench: a recording needs the profile of its place: --profile P")
-        profile, take = given, _read(source, rest, request.seconds)
+        profile, recording = given, _read(source, rest, request.seconds)
     else:
         raise UserError(
             f"bench: cannot use source '{source}'; choose from: sim[:SCENARIO], recording:FILE "
             f"('halo record' makes a recording of a camera)"
         )
-    require_fit(profile, take.camera)
-    regressor = regressor_for(profile, choose_base("auto", take.camera.serial))
+    require_fit(profile, recording.camera)
+    regressor = regressor_for(profile, choose_base("auto", recording.camera.serial))
     if regressor is None:
         raise UserError(
             f"bench: the profile '{profile.name}' has no sweep, which the paper's pipeline needs: "
@@ -153,10 +157,12 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
         listener = stack.enter_context(Listener())
         bar = stack.enter_context(progress(f"measuring {source}", 2 * ROUNDS))
         blocks = []
-        for block in run(take, Service(take, profile, regressor, settings), listener, ROUNDS):
+        for block in run(
+            recording, Service(recording, profile, regressor, settings), listener, ROUNDS
+        ):
             blocks.append(block)
             bar.advance()
-    return case_of(take, hands, blocks, profile.surface)
+    return case_of(recording, hands, blocks, profile.surface)
 
 
 def _profile_for(name: str) -> Profile | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from halo_calibration.base_model import choose_base, pilot_path, read_base, write_base
 from halo_calibration.guided.guide import GuidedCalibration
 from halo_calibration.guided.pilot import merged, pilot_rounds, pilot_samples
-from halo_calibration.observe import Look
+from halo_calibration.observe import DetectHands
 from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import read_script
 from halo_calibration.solvers.touch import StateValues
@@ -66,11 +66,11 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
         if saved is not None and request.script is None:
             require_fit(saved, source.camera)
         setup = _setup(settings, request, folder, source)
-        look_with = _detector_for(source, settings, stack)
+        detector_for = _detector_for(source, settings, stack)
         if request.script is not None:
-            _by_script(setup, source, look_with, request.script, folder)
+            _by_script(setup, source, detector_for, request.script, folder)
         else:
-            _guided(setup, source, look_with, request, folder)
+            _guided(setup, source, detector_for, request, folder)
         left = missing(load(folder))
         say = Terminal(None).say
         say(f"Still missing: {', '.join(left)}." if left else _next_step(settings))
@@ -80,12 +80,12 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
 def _guided(
     setup: Setup,
     source: Source,
-    look_with: Callable[[Profile | None], Look],
+    detector_for: Callable[[Profile | None], DetectHands],
     request: CalibrateRequest,
     folder: Path,
 ) -> None:
     terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
-    guided = GuidedCalibration(setup, Session(source), terminal, look_with)
+    guided = GuidedCalibration(setup, Session(source), terminal, detector_for)
     profile = load(folder) if exists(folder) else None
     todo = [request.step] if request.step else missing(profile)
     if not todo:
@@ -119,12 +119,12 @@ def _one(
 def _by_script(
     setup: Setup,
     source: Source,
-    look_with: Callable[[Profile | None], Look],
+    detector_for: Callable[[Profile | None], DetectHands],
     script: Path,
     folder: Path,
 ) -> None:
     terminal = Terminal(None)
-    scripted = ScriptedCalibration(setup, Session(source), look_with, lambda words: None)
+    scripted = ScriptedCalibration(setup, Session(source), detector_for, lambda words: None)
     lines = read_script(script)
     named = {line.step for line in lines}
     # A script without a background step continues the saved profile.
@@ -209,14 +209,14 @@ def _date(source: str) -> str:
 
 def _detector_for(
     source: Source, settings: Settings, stack: ExitStack
-) -> Callable[[Profile | None], Look]:
-    def look_with(profile: Profile | None) -> Look:
+) -> Callable[[Profile | None], DetectHands]:
+    def detector_for(profile: Profile | None) -> DetectHands:
         # Calibration needs one hand; the search for a second doubles the time of the tracker.
         detector = HandDetector(source.camera, profile, replace(settings.tracking, max_hands=1))
         stack.callback(detector.close)
-        return detector.look
+        return detector.detect
 
-    return look_with
+    return detector_for
 
 
 def _next_step(settings: Settings) -> str:

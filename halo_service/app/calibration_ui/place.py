@@ -36,7 +36,7 @@ class PlaceRequest:
 def place(
     name: str, guided: GuidedCalibration, source: Source, request: PlaceRequest, profile: Profile
 ) -> Change:
-    """Run one of these steps for a profile. Raises `UserError` and its `Refused`."""
+    """Run one of these steps for a profile. Raises `UserError` and its `CalibrationError`."""
     way = _way(name, request.by)
     if name == "anchor":
         return GuidedPlace(guided).marker(profile, request.marker)

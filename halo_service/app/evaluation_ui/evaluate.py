@@ -107,7 +107,7 @@ def evaluate_recording(settings: Settings, options: RecordingOptions) -> tuple[R
 
             def track(frame: Frame) -> Tracked:
                 bar.advance()
-                return detector.look(frame)
+                return detector.detect(frame)
 
             return judge_recording(
                 source,
@@ -127,7 +127,7 @@ def looking(
 ) -> Iterator[Tracker]:
     """Open a hand tracker that looks for that many hands."""
     with closing(HandDetector(camera, profile, replace(tracking, max_hands=hands))) as detector:
-        yield detector.look
+        yield detector.detect
 
 
 def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:

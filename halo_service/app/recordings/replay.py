@@ -12,7 +12,7 @@ from halo_service.evaluation.methods import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
-from halo_service.runtime.replay import Look
+from halo_service.runtime.replay import DetectHands
 from halo_service.runtime.replay import replay as sensed
 from halo_service.settings import Settings
 from halo_service.sources import Source
@@ -34,9 +34,9 @@ def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
             require_fit(profile, source.camera)
         session = session_of(recording)
         state = chosen.start(profile, settings.sensing)
-        with _looking(source, profile, settings) as look, written(out) as file:
+        with _detector(source, profile, settings) as detect, written(out) as file:
             count = 0
-            for touch_frame in sensed(source, look, chosen, state):
+            for touch_frame in sensed(source, detect, chosen, state):
                 file.write(frame_line(touch_frame, NODE, session, count))
                 count += 1
     return count
@@ -49,7 +49,7 @@ def session_of(recording: Path) -> str:
 
 
 @contextmanager
-def _looking(source: Source, profile: Profile | None, settings: Settings) -> Iterator[Look]:
+def _detector(source: Source, profile: Profile | None, settings: Settings) -> Iterator[DetectHands]:
     """Yield the hand tracker; without a profile no hands are needed, so none is loaded."""
     if profile is None:
         yield lambda frame: None
@@ -57,4 +57,4 @@ def _looking(source: Source, profile: Profile | None, settings: Settings) -> Ite
     from halo_service.app.hand_detector import HandDetector
 
     with closing(HandDetector(source.camera, profile, settings.tracking)) as detector:
-        yield detector.look
+        yield detector.detect

@@ -31,11 +31,11 @@ def simulate(request: SimulateRequest) -> int:
 
     All files appear together when the recording is complete, or none does.
     """
-    from halo_service.virtual.offline import Take
+    from halo_service.virtual.offline import SimulatedRecording
     from halo_service.virtual.sim_url import parse_sim_url
 
     simulated = parse_sim_url(f"sim:{request.scenario.removeprefix('sim:')}", seed=request.seed)
-    take = Take(simulated, request.seconds, colour=request.colour)
+    recording = SimulatedRecording(simulated, request.seconds, colour=request.colour)
     if STDOUT in (str(request.out), request.truth, request.script):
         raise UserError("simulate cannot write to stdout (-): name a file")
     count = 0
@@ -44,10 +44,12 @@ def simulate(request: SimulateRequest) -> int:
         script = stack.enter_context(written(request.script)) if request.script else None
         truth = stack.enter_context(written(request.truth)) if request.truth else None
         recorder = stack.enter_context(
-            Recorder(request.out, take.camera, fps=take.camera.fps, colour=request.colour)
+            Recorder(request.out, recording.camera, fps=recording.camera.fps, colour=request.colour)
         )
-        bar = stack.enter_context(progress(f"rendering {request.out.name}", take.expected_frames))
-        for frame, lines in take:
+        bar = stack.enter_context(
+            progress(f"rendering {request.out.name}", recording.expected_frames)
+        )
+        for frame, lines in recording:
             if frame is not None:
                 recorder.write(frame)
                 count += 1
@@ -55,5 +57,5 @@ def simulate(request: SimulateRequest) -> int:
                 truth.writelines(json.dumps(line) + "\n" for line in lines)
             bar.advance()
         if script is not None:
-            script.write(json.dumps(take.script(), indent=1) + "\n")
+            script.write(json.dumps(recording.script(), indent=1) + "\n")
     return count

@@ -175,5 +175,5 @@ def _move_finger(message: ControlMessage, state: State, source: Source | None) -
     if not isinstance(source, VirtualKinect):
         raise UserError("the source is no virtual camera; start with --source sim:hand")
     parse_command(message.arguments)  # raises `UserError` with the reason for a wrong message
-    source.tell(message.arguments)
+    source.command(message.arguments)
     return state

@@ -93,7 +93,7 @@ def _follow_virtual_user(
     with closing(
         HandDetector(user.camera, state.profile, replace(settings.tracking, max_hands=1))
     ) as detector:
-        for touch_frame in replay(user, detector.look, OURS, state):
+        for touch_frame in replay(user, detector.detect, OURS, state):
             _update(verification, touch_frame)
             late = touch_frame.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
             if late and target is not None and grid.next == target:

@@ -52,7 +52,7 @@ def _pilot(name: str, settings: Settings) -> Samples:
         detector = HandDetector(user.camera, profile, settings.tracking)
         stack.callback(detector.close)
         for angle in ANGLES_DEG:
-            observer = Observer(profile, detector.look, settings.sensing)
+            observer = Observer(profile, detector.detect, settings.sensing)
             user.follow(Prompt("pilot", "", angle))
             user.skip(SETTLE_S)
             seen = []

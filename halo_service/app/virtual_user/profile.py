@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from halo_calibration import steps
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import PROMPTS
 from halo_calibration.observe import Observation, Observer
 from halo_calibration.solvers.touch import STATES, HoldObservations
@@ -46,11 +46,11 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
             detector = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
             stack.callback(detector.close)
             empty = list(session.lasting(BACKGROUND_S, "background"))
-            profile = steps.background_change(setup, empty, detector.look)(None)
-            observer = Observer(profile, detector.look, settings.sensing)
+            profile = steps.background_change(setup, empty, detector.detect)(None)
+            observer = Observer(profile, detector.detect, settings.sensing)
             holds = {state: _held(state, user, session, observer) for state in STATES}
             return steps.touch_change(setup, holds)(profile)
-    except Refused as refused:
+    except CalibrationError as refused:
         raise UserError(
             f"the virtual room of seed {room.seed} on {room.material} cannot be calibrated: "
             f"{refused}; choose another seed or material"
@@ -61,7 +61,7 @@ def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -
     user.follow(PROMPTS[state])
     user.skip(SETTLE_S)
     frames = session.lasting(HELD_S, state)
-    return steps.watch_hold(state, frames, session.wanted(HELD_S), observer, _no_progress)
+    return steps.watch_hold(state, frames, session.frame_count(HELD_S), observer, _no_progress)
 
 
 def _no_progress(seen: Observation | None) -> None:

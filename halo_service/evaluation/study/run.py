@@ -22,7 +22,7 @@ from typing import Any
 import cv2
 from filelock import Timeout
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import METHODS
 from halo_service.evaluation.metrics.result import Result, Subject
@@ -155,7 +155,7 @@ def _calibrate(request: StudyRequest, user: User) -> CalibratedUser:
     methods = [METHODS[name] for name in request.methods]
     try:
         request.cache.ensure(user, CALIBRATION)
-    except Refused as refused:  # the empty table itself cannot be used
+    except CalibrationError as refused:  # the empty table itself cannot be used
         return CalibratedUser(None, {}, dict.fromkeys(request.methods, str(refused)))
     camera = _camera(parse_sim_url(user.source(CALIBRATION)).room)
     return calibrate(request.cache.calibration(user), camera, methods, request.settings)

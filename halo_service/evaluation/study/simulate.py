@@ -23,7 +23,7 @@ from halo_service.evaluation.study.recording import (
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
 from halo_service.values import Frame, Tracked
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.scenarios.calibration import BACKGROUND_S
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -74,7 +74,7 @@ def background_of(calibration: StoredRecording) -> Background:
 
 
 def profile_of_table(name: str, background: Background, camera: Camera) -> Profile:
-    """Return a profile with the empty surface alone. Raises `Refused` where it is no plane."""
+    """Return a profile with the empty surface alone. Raises `CalibrationError` without a plane."""
     surface = surface_from_view(solve_plane(background, camera))
     return Profile(name, camera, surface, background, None, 1)
 
@@ -115,13 +115,13 @@ def _stored(
             yield store(frame, track(frame), background, reach, track_image(frame).hands)
 
 
-def _simulation(user: User, task: Task) -> Take:
+def _simulation(user: User, task: Task) -> SimulatedRecording:
     """Simulate at the live virtual camera's quality."""
     seconds = None if task.ends else task.seconds * (LONGEST if task.touches else 1.0)
-    return Take(parse_sim_url(user.source(task)), seconds, colour_times=2)
+    return SimulatedRecording(parse_sim_url(user.source(task)), seconds, colour_times=2)
 
 
-def _frames(simulation: Take, task: Task, truth: list[Line]) -> Iterator[Frame]:
+def _frames(simulation: SimulatedRecording, task: Task, truth: list[Line]) -> Iterator[Frame]:
     """Yield the frames until the task is done; the lines of truth are added to `truth`."""
     touches, over_us = 0, None
     for frame, lines in simulation:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import SHEET, Projected
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.projector import projector_by_markers
 from halo_calibration.solvers.surface import surface_by_markers
 from halo_service.virtual.props import printed
@@ -49,7 +49,7 @@ BLANK = np.full_like(PAPER, 255)
 def test_a_printed_sheet_that_cannot_be_used_says_why(paper, fields, why):
     place = Place(room(sheets=(printed(paper, 150.0, 100.0, 297.0),), **fields))
     camera = place.camera
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(CalibrationError, match=why):
         surface_by_markers(place.colour(), camera.colour, camera.colour_from_depth, place.plane)
 
 
@@ -70,7 +70,7 @@ def test_a_printed_sheet_that_cannot_be_used_says_why(paper, fields, why):
 def test_a_projected_board_that_cannot_be_used_says_why(shown, fields, why):
     place = Place(room(**{"light": 0.5, "exposure_ms": 5.0, **fields}))
     camera = place.camera
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(CalibrationError, match=why):
         projector_by_markers(
             place.colour(shown), BOARD, camera.colour, camera.colour_from_depth, place.plane
         )

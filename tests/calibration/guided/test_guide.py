@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import ATTEMPTS, GuidedCalibration, Prompt
 from halo_calibration.observe import Observation
 from halo_calibration.steps import Setup
@@ -97,6 +97,6 @@ def test_a_refused_step_is_done_again_with_a_count_down() -> None:
 
 def test_after_three_attempts_the_sentence_is_final() -> None:
     steps, person = guided(waves=9)
-    with pytest.raises(Refused, match="something moved"):
+    with pytest.raises(CalibrationError, match="something moved"):
         steps.background()
     assert person.prompts == ATTEMPTS

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import crosses
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.guided import place as guided_place
 from halo_calibration.guided import projector as guided_projector
 from halo_calibration.guided.guide import GuidedCalibration, Prompt
@@ -79,7 +79,7 @@ class Person:
         height_mm = 0.0 if down else 40.0
         return self._draw(self._tip, 3600.0 if down else 0.0, height_mm, time_us)
 
-    def look(self, frame: Frame) -> Tracked:
+    def detect(self, frame: Frame) -> Tracked:
         return self._see(self._tip, frame.time_us)
 
     def close(self) -> None:
@@ -88,7 +88,7 @@ class Person:
 
 def guided(person: Person) -> GuidedCalibration:
     setup = Setup("desk", person.camera, "2026-01-01T00:00:00Z")
-    return GuidedCalibration(setup, Session(person), person, lambda profile: person.look)
+    return GuidedCalibration(setup, Session(person), person, lambda profile: person.detect)
 
 
 def test_four_touched_corners_make_a_surface(camera, draw, see, profile: Profile) -> None:
@@ -146,7 +146,7 @@ def test_nine_touched_crosses_make_a_homography(
 def test_a_file_shows_all_crosses_at_once_and_no_stripes(camera, draw, see, profile) -> None:
     person, screen = Person(camera, draw, see, lambda prompt: (300.0, 300.0)), Screen(changes=False)
     projector = GuidedProjector(guided(person), screen)
-    with pytest.raises(Refused, match="one after the other"):
+    with pytest.raises(CalibrationError, match="one after the other"):
         projector.projector(profile, "gray")
     assert not screen.shown
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import parse_script
 from halo_calibration.steps import Setup
@@ -45,12 +45,12 @@ Script = list[dict[str, float | str]]
 
 @pytest.fixture(scope="module")
 def script() -> Script:
-    acting = start_scenario(SIM.scenario, SIM.room)
+    scenario = start_scenario(SIM.scenario, SIM.room)
     for second in range(60):
-        acting.at(float(second))
+        scenario.at(float(second))
     lines: Script = [
         {"step": step.name, "from_s": step.from_s, "to_s": step.to_s, **step.fields}
-        for step in acting.steps
+        for step in scenario.steps
     ]
     lines[-1]["to_s"] = float(lines[-1]["from_s"]) + SWEEP_S
     return lines
@@ -61,7 +61,7 @@ def needed(script: Script, at_s: float) -> bool:
     return any(float(line["from_s"]) - BEFORE_S <= at_s <= float(line["to_s"]) for line in script)
 
 
-class Take(NamedTuple):
+class DrawnRecording(NamedTuple):
     """What the virtual camera sees of the script."""
 
     path: Path
@@ -73,13 +73,13 @@ class Take(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Take:
-    made = Take(tmp_path_factory.mktemp("recording") / "calibration.mkv", [], {})
+def drawn(script: Script, tmp_path_factory: pytest.TempPathFactory) -> DrawnRecording:
+    drawn = DrawnRecording(tmp_path_factory.mktemp("recording") / "calibration.mkv", [], {})
     seconds = float(script[-1]["to_s"]) + 0.2
     in_memory = float(script[-1]["from_s"]) + SHORT_SWEEP_S + 0.2
     settings = replace(Settings().tracking, max_hands=1)
     with (
-        Recorder(made.path, factory(mode=MODE), fps=FPS, colour=False) as recorder,
+        Recorder(drawn.path, factory(mode=MODE), fps=FPS, colour=False) as recorder,
         closing(HandDetector(factory(mode=MODE), None, settings)) as detector,
     ):
         for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
@@ -87,20 +87,20 @@ def take(script: Script, tmp_path_factory: pytest.TempPathFactory) -> Take:
                 continue
             recorder.write(frame)
             if number / FPS < in_memory:
-                made.hands[frame.time_us] = detector.look(frame)
-                made.frames.append(replace(frame, ir=frame.ir[:0].copy()))
-    return made
+                drawn.hands[frame.time_us] = detector.detect(frame)
+                drawn.frames.append(replace(frame, ir=frame.ir[:0].copy()))
+    return drawn
 
 
 def test_the_same_recording_and_script_give_the_same_profile(
-    take: Take, script: Script, tmp_path: Path
+    drawn: DrawnRecording, script: Script, tmp_path: Path
 ) -> None:
     written = tmp_path / "script.json"
     written.write_text(json.dumps(script))
     profiles = []
     for name in ("one", "two"):
         folder = tmp_path / name / "desk"
-        arguments = ["--source", f"recording:{take.path}", "--script", str(written)]
+        arguments = ["--source", f"recording:{drawn.path}", "--script", str(written)]
         assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
         profiles.append({path.name: path.read_bytes() for path in folder.iterdir()})
     assert profiles[0] == profiles[1]
@@ -140,12 +140,12 @@ class Drawn:
 
 
 @pytest.fixture
-def calibrate(take: Take) -> Callable[..., Profile]:
+def calibrate(drawn: DrawnRecording) -> Callable[..., Profile]:
     def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
-        source = Drawn(take.frames, *lost)
+        source = Drawn(drawn.frames, *lost)
         setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
         scripted = ScriptedCalibration(
-            setup, Session(source), lambda known: lambda frame: take.hands[frame.time_us], print
+            setup, Session(source), lambda known: lambda frame: drawn.hands[frame.time_us], print
         )
         return scripted.run(parse_script(script, "test"))
 
@@ -161,14 +161,14 @@ def test_a_finger_that_moved_is_refused(script: Script, calibrate: Callable[...,
     moving: Script = [script[0]]
     for n, state in enumerate(("hover", "subtle", "touch", "pressure")):
         moving.append({"step": state, "from_s": sweeping + 2 * n, "to_s": sweeping + 2 * n + 2})
-    with pytest.raises(Refused, match=r"the finger moved by \d+ mm during 'hover': rest"):
+    with pytest.raises(CalibrationError, match=r"the finger moved by \d+ mm during 'hover': rest"):
         calibrate(moving)
 
 
 def test_swapped_states_are_refused(script: Script, calibrate: Callable[..., Profile]) -> None:
     lines = [dict(line) for line in until(script, "pressure")]
     lines[1]["step"], lines[2]["step"] = "subtle", "hover"
-    with pytest.raises(Refused, match="'hover' shows a stronger halo than 'subtle'"):
+    with pytest.raises(CalibrationError, match="'hover' shows a stronger halo than 'subtle'"):
         calibrate(lines)
 
 
@@ -176,7 +176,7 @@ def test_a_hand_in_the_background_is_refused(
     script: Script, calibrate: Callable[..., Profile]
 ) -> None:
     resting = {**script[0], "from_s": script[3]["from_s"], "to_s": script[3]["to_s"]}
-    with pytest.raises(Refused, match=r"a hand was in the camera's view|something moved"):
+    with pytest.raises(CalibrationError, match=r"a hand was in the camera's view|something moved"):
         calibrate([resting])
 
 
@@ -185,9 +185,9 @@ def test_two_seconds_of_dropped_frames_are_refused(
 ) -> None:
     touch = script[3]
     lost = (float(touch["from_s"]) - 0.2, float(touch["to_s"]) - 0.2)
-    with pytest.raises(Refused, match=r"only \d+ of 60 frames came during 'touch'"):
+    with pytest.raises(CalibrationError, match=r"only \d+ of 60 frames came during 'touch'"):
         calibrate(until(script, "pressure"), lost)
-    with pytest.raises(Refused, match=r"only \d+ of the 60 frames .* dropped"):
+    with pytest.raises(CalibrationError, match=r"only \d+ of the 60 frames .* dropped"):
         calibrate(script[:1], (0.4, 2.4))
 
 
@@ -196,5 +196,5 @@ def test_a_sweep_that_is_too_small_is_refused(
 ) -> None:
     lines = [dict(line) for line in script]
     lines[-1]["to_s"] = float(lines[-1]["from_s"]) + SHORT_SWEEP_S
-    with pytest.raises(Refused, match=r"covered only \d+ % .* missing most (at|in) the"):
+    with pytest.raises(CalibrationError, match=r"covered only \d+ % .* missing most (at|in) the"):
         calibrate(lines)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from halo_calibration.boards.board import anchor
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.anchor import anchor_pose
 from halo_service.virtual.props import printed
 from tests.placed import Place, anchored, pose_error, posed, room
@@ -47,7 +47,9 @@ def test_the_anchor_is_found(place, marker, there):
 
 
 def test_a_marker_of_another_size_is_refused_with_the_size_it_has(place):
-    with pytest.raises(Refused, match=r"measures (79|80)\.[0-9] mm and not the 100 mm given"):
+    with pytest.raises(
+        CalibrationError, match=r"measures (79|80)\.[0-9] mm and not the 100 mm given"
+    ):
         stated = dataclasses.replace(TAG, size_mm=100.0)
         sheet = printed(TAG.picture(112.0, 112.0, 5), 150.0, 100.0, 112.0)
         furnished = dataclasses.replace(place.room, sheets=(sheet,))
@@ -65,9 +67,9 @@ def test_a_marker_without_depth_is_refused(place):
     blind = [np.zeros((576, 640), np.uint16)] * 3
     sheet = printed(TAG.picture(112.0, 112.0, 5), 150.0, 100.0, 112.0)
     picture = place.colour(room=dataclasses.replace(place.room, sheets=(sheet,)))
-    with pytest.raises(Refused, match="no depth on the marker"):
+    with pytest.raises(CalibrationError, match="no depth on the marker"):
         anchor_pose(picture, TAG, place.camera, place.plane, place.background, blind)
     # Another number is not the anchor.
     other = anchor("apriltag-36h11", 5, 80.0)
-    with pytest.raises(Refused, match="marker 5 is not seen"):
+    with pytest.raises(CalibrationError, match="marker 5 is not seen"):
         anchor_pose(picture, other, place.camera, place.plane, place.background, blind)

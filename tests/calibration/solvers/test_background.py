@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.background import average, halo_threshold, solve_background
 
 SHAPE = (96, 120)
@@ -30,7 +30,7 @@ def test_mean_noise_and_validity_are_those_of_the_frames() -> None:
 
 def test_45_frames_suffice_and_fewer_are_dropped_frames() -> None:
     solve_background(quiet(45))
-    with pytest.raises(Refused, match=r"only 44 of the 60 frames .* dropped frames"):
+    with pytest.raises(CalibrationError, match=r"only 44 of the 60 frames .* dropped frames"):
         solve_background(quiet(44))
 
 
@@ -49,7 +49,7 @@ def test_what_moved_is_refused_and_its_place_is_said(
     frames = quiet()
     for frame in frames[when]:
         frame[rows, columns] = 440
-    with pytest.raises(Refused, match=f"something moved .*{where}"):
+    with pytest.raises(CalibrationError, match=f"something moved .*{where}"):
         solve_background(frames)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.plane import solve_plane, surface_from_view
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import from_view
@@ -84,7 +84,7 @@ def test_a_view_without_depth_shows_no_halo(seen: Seen, lens_camera: Camera) -> 
     background = seen(0.0, 500.0)
     background.valid[::2] = False
     background.valid[:, ::3] = False
-    with pytest.raises(Refused, match="this surface shows no halo"):
+    with pytest.raises(CalibrationError, match="this surface shows no halo"):
         solve_plane(background, lens_camera)
 
 
@@ -92,10 +92,10 @@ def test_a_heap_is_no_surface(seen: Seen, lens_camera: Camera) -> None:
     background = seen(0.0, 500.0)
     heap = np.random.default_rng(2).uniform(-200.0, 0.0, (36, 40)).astype(np.float32)
     background.mean_mm[:] += np.kron(heap, np.ones((16, 16), np.float32))
-    with pytest.raises(Refused, match="no flat surface"):
+    with pytest.raises(CalibrationError, match="no flat surface"):
         solve_plane(background, lens_camera)
 
 
 def test_a_surface_seen_from_the_side_is_refused(seen: Seen, lens_camera: Camera) -> None:
-    with pytest.raises(Refused, match="55 degrees"):
+    with pytest.raises(CalibrationError, match="55 degrees"):
         solve_plane(seen(55.0, 500.0, turn_deg=0.0), lens_camera)

@@ -6,7 +6,7 @@ import pytest
 from halo_calibration.boards.board import Projected, crosses
 from halo_calibration.boards.detect import DetectedBoard
 from halo_calibration.boards.graycode import Decoded, count, decode, patterns
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.projector import (
     CROSSES,
     projector_by_gray_code,
@@ -99,7 +99,7 @@ def far_away():
     ids=["mirrored", "unsteady", "in a line", "outside the surface", "careless"],
 )
 def test_touches_that_make_no_homography_are_refused(touches, why):
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(CalibrationError, match=why):
         projector_by_touches(touches, 1280, 800, TABLE)
 
 
@@ -146,7 +146,7 @@ def test_corners_that_contradict_are_named():
     ids=["flat", "one row", "half", "noisy", "mirrored", "anything"],
 )
 def test_corners_that_make_no_homography_are_refused(seen, why):
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(CalibrationError, match=why):
         projector_of(seen, BOARD, LENS, np.eye(4), OVER)
 
 
@@ -154,7 +154,7 @@ def test_mirrored_stripes_are_refused():
     places = grid(300.0, 200.0, 10.0)
     mirrored = Projector(mirrored=True).projector_from_surface()
     px = OVER.in_picture(places, LENS, np.eye(4))
-    with pytest.raises(Refused, match="is mirrored"):
+    with pytest.raises(CalibrationError, match="is mirrored"):
         projector_by_gray_code(
             Decoded(1280, 800, px, sent(mirrored, places)), LENS, np.eye(4), OVER
         )
@@ -189,5 +189,5 @@ def grey(level):
     ids=["blown out", "no light", "too fast"],
 )
 def test_unreadable_stripes_are_refused(pictures, why):
-    with pytest.raises(Refused, match=why):
+    with pytest.raises(CalibrationError, match=why):
         decode(pictures, 1280, 800)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from halo_calibration.errors import Refused
+from halo_calibration.errors import CalibrationError
 from halo_calibration.observe import Observation
 from halo_calibration.solvers.correction import (
     Base,
@@ -39,17 +39,17 @@ def truth(x_mm: float, y_mm: float, pitch_deg: float, yaw_deg: float) -> float:
 
 
 def sweep(
-    *, x_to: float = 280.0, lifted: int = 0, came: int = 600, pitch_deg: float = 45.0
+    *, x_to: float = 280.0, lifted: int = 0, received: int = 600, pitch_deg: float = 45.0
 ) -> SweepObservations:
     rng = np.random.default_rng(3)
     seen = []
-    for n in range(came):
+    for n in range(received):
         row, along = divmod(n, 100)
         x = 20.0 + (x_to - 20.0) * (along if row % 2 == 0 else 99 - along) / 99
         y, yaw = 20.0 + 32.0 * row, 25.0 * np.sin(n / 17.0)
         raw = truth(x, y, pitch_deg, yaw) * rng.normal(1.0, 0.02) * (0.1 if n < lifted else 1.0)
         seen.append(Observation(n, Side.RIGHT, x, y, pitch_deg, float(yaw), 14.0, raw, raw, 5))
-    return SweepObservations(600, came, tuple(seen))
+    return SweepObservations(600, received, tuple(seen))
 
 
 def spread(correction: Correction | None) -> float:
@@ -112,7 +112,7 @@ def test_outside_its_grid_a_correction_goes_on_from_the_edge(correction: Correct
 
 
 def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
-    pitches = [sweep(pitch_deg=p).seen for p in (15.0, 30.0, 45.0, 60.0, 75.0)]
+    pitches = [sweep(pitch_deg=p).observations for p in (15.0, 30.0, 45.0, 60.0, 75.0)]
     rows = [
         (o.x_mm - 150, o.y_mm - 100, o.pitch_deg, o.yaw_deg, o.raw / 2000, np.nan)
         for seen in pitches
@@ -126,7 +126,7 @@ def test_a_base_model_teaches_the_pitches_that_the_wedge_cannot() -> None:
 
 
 def test_a_base_model_of_another_sensor_that_makes_a_halo_uneven_corrects_nothing() -> None:
-    seen = [replace(o, raw=2000.0 + 20.0 * (o.time_us % 5)) for o in sweep().seen]
+    seen = [replace(o, raw=2000.0 + 20.0 * (o.time_us % 5)) for o in sweep().observations]
     even = check_sweep(SweepObservations(600, 600, tuple(seen)), SURFACE)
     rng = np.random.default_rng(5)
     where = rng.uniform((-150, -100, 15, -60), (150, 100, 75, 60), (2000, 4))
@@ -142,13 +142,16 @@ def test_a_base_model_of_another_sensor_that_makes_a_halo_uneven_corrects_nothin
     [
         (sweep(x_to=120.0), "covered only .* missing most at the .*right"),
         (sweep(lifted=250), "off the surface in 42 %"),
-        (sweep(came=200), "only 200 of 600 frames came during 'sweep'"),
-        (SweepObservations(600, 600, sweep().seen[:200]), "found in only 200 of 600 frames"),
+        (sweep(received=200), "only 200 of 600 frames came during 'sweep'"),
+        (
+            SweepObservations(600, 600, sweep().observations[:200]),
+            "found in only 200 of 600 frames",
+        ),
     ],
     ids=["too small", "lifted", "dropped", "lost"],
 )
 def test_a_bad_sweep_is_refused_with_the_remedy(swept: SweepObservations, says: str) -> None:
-    with pytest.raises(Refused, match=says):
+    with pytest.raises(CalibrationError, match=says):
         check_sweep(swept, SURFACE)
 
 

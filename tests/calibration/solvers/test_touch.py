@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from halo_calibration.errors import NO_HALO, Refused
+from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.solvers.touch import (
     STATES,
     HoldObservations,
@@ -54,7 +54,11 @@ def test_what_was_not_measured_is_recorded_as_assumed(hold: Hold) -> None:
 
 CASES = {
     "moved": ("touch", {"raw": 2200.0, "moved_mm": 30.0}, "moved by .* during 'touch': rest"),
-    "dropped": ("hover", {"raw": 300.0, "came": 20}, "only 20 of 60 frames came during 'hover'"),
+    "dropped": (
+        "hover",
+        {"raw": 300.0, "received": 20},
+        "only 20 of 60 frames came during 'hover'",
+    ),
     "lost": ("subtle", {"raw": 1500.0, "seen": 20}, "found in only 20 of 60 .* 'subtle'"),
     "swapped": ("hover", {"raw": 2000.0}, "'hover' shows a stronger halo than 'subtle'"),
     "overlap": ("subtle", {"raw": 2190.0}, "'subtle' and 'touch' overlap .* keep clear"),
@@ -66,13 +70,13 @@ CASES = {
 def test_bad_states_are_refused_with_the_remedy(
     hold: Hold, state: str, how: dict[str, float], says: str
 ) -> None:
-    with pytest.raises(Refused, match=says):
+    with pytest.raises(CalibrationError, match=says):
         solve_touch(all_of(hold, **{state: hold(state, **how)}), StateValues(), None)
 
 
 def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:
     flat = {state: hold(state, 5.0, noise=3.0) for state in STATES}
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(CalibrationError) as refused:
         solve_touch(flat, StateValues(), None)
     assert str(refused.value) == NO_HALO
 

@@ -14,7 +14,7 @@ from halo_service.evaluation.study.simulate import Tracker
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Tracked
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.scenarios.calibration import BACKGROUND_S
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -39,7 +39,7 @@ def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Track
 
 def store_empty_table(folder: Path) -> None:
     """Store the user's calibration with the empty table alone."""
-    empty = Take(
+    empty = SimulatedRecording(
         parse_sim_url(f"sim:idle?seed={USER.seed}&material=paper"), BACKGROUND_S, colour=False
     )
     first = islice((frame for frame, _ in empty if frame is not None), ENOUGH)

@@ -27,7 +27,7 @@ from halo_service.profile import Profile
 from halo_service.runtime.method import OURS
 from halo_service.settings import Settings
 from halo_service.values import Frame, Hand, Pointer, Side, TouchFrame
-from halo_service.virtual.offline import Take
+from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.sim_url import parse_sim_url
 from tests.kind_sensor import KIND_URL
 
@@ -48,11 +48,11 @@ def both() -> Both:
     settings = Settings()
     request = parse_sim_url(f"sim:demo?seed=205&material=wood&{KIND_URL}")
     profile = virtual_profile(request.room, settings)
-    simulation = Take(request, SECONDS, colour_times=2)
+    simulation = SimulatedRecording(request, SECONDS, colour_times=2)
     frames: list[StoredFrame] = []
     reach = reach_box(profile.surface, simulation.camera)
     with closing(HandDetector(simulation.camera, profile, settings.tracking)) as detector:
-        track = SharedTracker(detector.look)
+        track = SharedTracker(detector.detect)
 
         def simulated() -> Iterator[Frame]:
             for frame, _ in simulation:

@@ -37,20 +37,20 @@ def learn(profile: Profile, settings: SensingSettings, seen: Seen, script: Scrip
     """
     del settings  # the paper's threshold is fixed
     lines = parse_script([dict(line) for line in script], "of the recording")
-    came, observed = _watch(profile, seen, lines)
+    received, observed = _watch(profile, seen, lines)
 
-    def wanted(step: str) -> int:
+    def expected(step: str) -> int:
         line = next(line for line in lines if line.step == step)
         return round((line.to_s - line.from_s) * profile.camera.fps)
 
     holds = {
-        state: HoldObservations(state, wanted(state), came[state], tuple(observed[state]))
+        state: HoldObservations(state, expected(state), received[state], tuple(observed[state]))
         for state in STATES
     }
     states, _, _ = solve_touch(holds, state_values_in(lines, StateValues()), None)
     correction: Correction | None = None
-    if SWEEP in came:
-        swept = SweepObservations(wanted(SWEEP), came[SWEEP], tuple(observed[SWEEP]))
+    if SWEEP in received:
+        swept = SweepObservations(expected(SWEEP), received[SWEEP], tuple(observed[SWEEP]))
         samples = check_sweep(swept, profile.surface)
         held = states.touch
         at = Reference(held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
@@ -62,7 +62,7 @@ def _watch(
     profile: Profile, seen: Seen, lines: Sequence[ScriptStep]
 ) -> tuple[dict[str, int], dict[str, list[Observation]]]:
     """Return the number of frames in each step, and the finger in those that show it."""
-    came = {line.step: 0 for line in lines}
+    received = {line.step: 0 for line in lines}
     observed: dict[str, list[Observation]] = {line.step: [] for line in lines}
     first_us: int | None = None
     for frame, tracked in seen:
@@ -70,9 +70,9 @@ def _watch(
         at_s = (frame.time_us - first_us) / 1e6
         for line in lines:
             if line.step != "background" and line.from_s <= at_s < line.to_s:
-                came[line.step] += 1
+                received[line.step] += 1
                 observed[line.step] += _observe(profile, frame, tracked)
-    return came, observed
+    return received, observed
 
 
 def _observe(profile: Profile, frame: Frame, tracked: Tracked) -> list[Observation]:

@@ -26,12 +26,17 @@ class Access:
         allowed = LOOPBACK | self.hosts
         name = _host_name(f"//{host}")
         if name not in allowed:
-            return f"this server is not '{host[:80]}'; add the name to [web] hosts"
+            return f"this server is not '{_ascii(host)}'; add the name to [web] hosts"
         if origin is None or origin in self.origins:
             return None
         if _host_name(origin) not in allowed:
-            return f"pages of '{origin[:80]}' may not connect; add it to [web] origins"
+            return f"pages of '{_ascii(origin)}' may not connect; add it to [web] origins"
         return None
+
+
+def _ascii(header: str) -> str:
+    """Return a header for a sentence; bytes that are not UTF-8 cannot be sent back."""
+    return header[:80].encode("ascii", "backslashreplace").decode()
 
 
 def _host_name(url: str) -> str | None:

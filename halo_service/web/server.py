@@ -17,6 +17,7 @@ from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.web.access import Access
+from halo_service.web.http_log import http_log
 from halo_service.web.oscquery import ATTRIBUTES, Node, find, host_info, stream_nodes, tree
 from halo_service.web.requests import answer_hello, read_binary, read_text
 from halo_service.web.settings import WebSettings
@@ -94,7 +95,9 @@ class WebServer:
         application.router.add_get(PATH, self._subscribe)
         application.router.add_get("/{path:.*}", self._query)
         application.on_shutdown.append(self._disconnect)
-        runner = web.AppRunner(application, access_log=None, shutdown_timeout=CLOSE_S)
+        runner = web.AppRunner(
+            application, access_log=None, logger=http_log(), shutdown_timeout=CLOSE_S
+        )
         await runner.setup()
         await web.SockSite(runner, self._listener).start()
         return runner
@@ -109,10 +112,16 @@ class WebServer:
             return refusal
         if len(self._clients) >= MAX_CLIENTS:
             return web.Response(status=503, text=f"at most {MAX_CLIENTS} clients can connect\n")
+        if not _can_speak(request.headers.getall("Sec-WebSocket-Protocol", ())):
+            return web.Response(status=400, text=f"choose the subprotocol {JSON} or {OSC}\n")
         answer = web.WebSocketResponse(
             protocols=(JSON, OSC), heartbeat=HEARTBEAT_S, max_msg_size=LARGEST, compress=False
         )
-        if not answer.can_prepare(request):
+        try:
+            is_websocket = bool(answer.can_prepare(request))
+        except ValueError:  # its key is not ASCII
+            is_websocket = False
+        if not is_websocket:
             text = f"this is a WebSocket, protocol {wire.VERSION}; subprotocols {JSON}, {OSC}\n"
             return web.Response(status=426, text=text, headers={"Upgrade": "websocket"})
         await answer.prepare(request)
@@ -211,6 +220,12 @@ def _listening(settings: WebSettings) -> socket.socket:
         listener.getsockname()[1],
     )
     return listener
+
+
+def _can_speak(offers: Iterable[str]) -> bool:
+    """Whether a client offers one of our subprotocols, or none at all."""
+    offered = {each.strip() for offer in offers for each in offer.split(",")}
+    return not offered or not offered.isdisjoint((JSON, OSC))
 
 
 def _bracketed(host: str) -> str:

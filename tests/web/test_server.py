@@ -8,6 +8,8 @@ import random
 import socket
 import threading
 import time
+import urllib.error
+import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, suppress
 from typing import Any
@@ -22,6 +24,7 @@ import halo_protocol as wire
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import OutgoingReport
+from halo_service.web.oscquery import Node
 from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, QUEUE
@@ -143,6 +146,46 @@ def read_all(socket_: ClientConnection, got: list[bytes]) -> None:
     with suppress(TimeoutError):
         while not got or got[-1] != end:
             got[:] = [bytes(socket_.recv(20.0))]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        (b"Host: \xe9vil", b"403"),
+        (b"Host: localhost\r\nOrigin: http://\xff", b"403"),
+        (b"Host: localhost\r\nSec-WebSocket-Protocol: halo.2.osc", b"400"),
+        (b"Host: localhost\r\nSec-WebSocket-Key: \xe4", b"426"),
+        (b"Host: localhost\r\nContent-Length: -1", b"400"),
+        (b"Host: localhost\r\nTransfer-Encoding: chunked\r\n\r\nx", b"400"),
+        (b"Host: localhost\r\nX: " + b"A" * 20_000, b"400"),
+    ],
+)
+def test_a_bad_request_gets_its_status_and_no_line_in_the_log(
+    server: WebServer, headers: bytes, status: bytes, caplog: pytest.LogCaptureFixture
+) -> None:
+    upgrade = b"Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    with socket.create_connection(("127.0.0.1", server.port), 5.0) as raw:
+        raw.sendall(b"GET /halo HTTP/1.1\r\n" + upgrade + headers + b"\r\n\r\n")
+        assert status in raw.recv(4096).partition(b"\r\n")[0]
+    assert caplog.text == ""
+
+
+def test_an_unexpected_error_of_a_request_is_logged_once(
+    server: WebServer, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> list[Node]:
+        raise RuntimeError("out of order")
+
+    server.nodes = fail
+    for _ in range(3):
+        with (
+            pytest.raises(urllib.error.HTTPError) as failed,
+            urllib.request.urlopen(f"http://127.0.0.1:{server.port}/", timeout=10.0),
+        ):
+            pass
+        with closing(failed.value):
+            assert failed.value.code == 500
+    assert caplog.text.count("RuntimeError: out of order") == 1
 
 
 def test_random_bytes_and_messages_end_only_their_connection(server: WebServer) -> None:

@@ -161,7 +161,9 @@ class ControlHandler:
         return state
 
     def _warn(self, message: ControlMessage, why: str) -> None:
-        warning = f"control: skipped {message.address[:80]}: {why}"
+        text = f"control: skipped {message.address[:80]}: {why}"
+        # A client's text must not begin new lines in the log.
+        warning = "".join(each if each.isprintable() else "?" for each in text)
         if warning not in self._warned and len(self._warned) < MAX_WARNINGS:
             self._warned.add(warning)
             log.warning("%s", warning)

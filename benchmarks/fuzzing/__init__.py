@@ -1,0 +1,1 @@
+"""Random and mutated input for the service and for its clients."""

@@ -1,4 +1,4 @@
-"""What a frame costs to write and to read, beside python-osc in the same run.
+"""What a frame costs to write and to read, compared with python-osc in the same run.
 
     python benchmarks/protocol.py
 

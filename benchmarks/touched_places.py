@@ -26,7 +26,7 @@ from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room, draw_room
 SHARES = np.array([(x, y) for y in (0.0, 0.5, 1.0) for x in (0.0, 0.5, 1.0)])
 """Places of a rectangle, from its far left corner."""
 LIT = np.array([(x, y) for y in np.linspace(120, 680, 9) for x in np.linspace(150, 1130, 9)])
-"""Pixels of the projector; those that fall beside the area do not count."""
+"""Pixels of the projector; those that fall outside the area do not count."""
 
 
 def main() -> int:

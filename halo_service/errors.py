@@ -18,7 +18,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 class UserError(Exception):
     """Something the user can mend: one sentence that says what is wrong and what to do.
 
-    The `halo` command prints it on stderr and exits with 2; nobody else catches it, except a
+    The `halo` command prints it on stderr and exits with 2; it is caught nowhere else, except a
     live loop that goes on (a camera that was unplugged).
     """
 

@@ -100,7 +100,7 @@ class Place:
 
 
 def hung(keystone_deg: float, width_px: int = 1280, height_px: int = 800) -> Projector:
-    """A projector whose axis meets the table that far from straight above."""
+    """A projector at this angle to the vertical."""
     aside = 560.0 * np.tan(np.radians(keystone_deg))
     return Projector(
         width_px=width_px,

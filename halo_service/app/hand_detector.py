@@ -33,7 +33,7 @@ class HandDetector:
     def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
         """Load the model; `UserError` where there is none and none can be fetched.
 
-        `profile`: its background tells what is above the surface. None, before any calibration:
+        `profile`: its background shows what is above the surface. None, before any calibration:
         hands are sought in the whole image.
         """
         self._tracker = _tracker(camera, profile, model_for(settings), settings.max_hands)

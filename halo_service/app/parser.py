@@ -76,7 +76,7 @@ first steps:
 
 
 class Parser(argparse.ArgumentParser):
-    """An `ArgumentParser` whose errors are one sentence and name the nearest known word."""
+    """An `ArgumentParser`. Its errors are one sentence and name the nearest known word."""
 
     def __init__(self, **keywords: Any) -> None:
         """`keywords`: as for `ArgumentParser`; options cannot be abbreviated."""

@@ -28,10 +28,10 @@ from halo_service.outputs.formats.packing import Template
 from halo_service.outputs.networks import Networks
 
 LEASE_S = 10.0
-"""A stream ends so long after its client last asked; clients ask every 3 s."""
+"""A stream ends so long after its client last said hello; clients do so every 3 s."""
 MOST_LEASES = 64
 MOST_WELCOMES = 256
-"""Welcomes whose token may still come back; the oldest is dropped."""
+"""Welcomes that wait for their token; the oldest is dropped."""
 LONGEST_REASON = 80
 
 
@@ -92,7 +92,7 @@ class Leases:
         return self._lease(token, message.sender, now_s)
 
     def expire(self, now_s: float) -> None:
-        """End the streams of clients that have not asked again."""
+        """End the streams of clients that have not said hello again."""
         for token in [each for each, lease in self._leases.items() if now_s > lease.until_s]:
             del self._leases[token]
 

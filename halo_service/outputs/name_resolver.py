@@ -21,7 +21,7 @@ RETRY_S = 2.0
 
 
 class NameResolver:
-    """For the senders whose host is a name."""
+    """For senders to a host name."""
 
     def __init__(
         self, senders: list[UdpSender], retry_s: float = RETRY_S, again_s: float = AGAIN_S

@@ -58,4 +58,4 @@ class ControlSettings:
     host: str = "127.0.0.1"
     port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_CONTROL_PORT
     networks: tuple[str, ...] = ("127.0.0.0/8", "::1/128")
-    """Networks whose hosts may ask for the stream with a hello."""
+    """Hosts of these networks may request the stream with a hello."""

@@ -95,7 +95,7 @@ def _checked(archive: zipfile.ZipFile) -> dict[str, bytes]:
 
 
 def _check_arrays(content: bytes, name: str) -> None:
-    """Look at the arrays' headers before anybody makes room for them."""
+    """Check the arrays' headers before memory is allocated for them."""
     with zipfile.ZipFile(io.BytesIO(content)) as arrays:
         for member in arrays.infolist():
             with arrays.open(member) as file:

@@ -128,7 +128,7 @@ class Anchor:
     """A printed marker that others see too, such as headsets."""
 
     family: str
-    """Whose marker it is, e.g. `apriltag-36h11`."""
+    """The family of the marker, e.g. `apriltag-36h11`."""
     marker: int
     """Its number."""
     size_mm: Annotated[float, Gt(0.0)]

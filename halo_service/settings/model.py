@@ -1,4 +1,4 @@
-"""All of `halo.toml` as frozen dataclasses; `[osc]` and `[sensing]` live beside their code.
+"""All of `halo.toml` as frozen dataclasses; `[osc]` and `[sensing]` live next to their code.
 
 Rule: a setting is defined once. Its type, range, default and description are here or there, and
 reading, error sentences and the JSON schema follow from them.

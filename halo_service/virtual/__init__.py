@@ -1,6 +1,6 @@
 """The virtual camera: a hand, a table, a light and a sensor that are not there.
 
-It produces what the SDK of a real one would hand over, and truth beside it, never mixed. The
+It produces what the SDK of a real one would hand over, and the truth separately. The
 halo is phenomenological (`halo` says what that means): figures measured here are claims about
 the pipeline, not about the world.
 

@@ -34,7 +34,7 @@ START_S = 20.0
 
 @contextmanager
 def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Ctrl-C tells a whole group of processes; ending the worker is its parent's affair."""
+    """Ctrl-C reaches the whole process group; the parent ends the worker."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread may say what signals do
         return
@@ -55,7 +55,7 @@ class VirtualKinect:
     ) -> None:
         """Start the worker; the first frame follows within about two seconds.
 
-        `truth_path` writes the truth beside, one JSON line a frame and a touch.
+        `truth_path` writes the truth, one JSON line a frame and a touch.
         """
         self.camera = factory(request.room.device, request.room.mode)
         self.surface: Surface = request.room.surface()

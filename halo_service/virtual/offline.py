@@ -58,10 +58,10 @@ class SimulatedRecording:
         self.camera, self.surface = self._sensor.camera, self._sensor.surface
 
     def __iter__(self) -> Iterator[tuple[Frame | None, list[truth.Line]]]:
-        """Each frame with the lines of truth that belong beside it.
+        """Each frame with its lines of truth.
 
         The frame is None where the device dropped it: no frame, no line of its own, but touches
-        that ended meanwhile are still told.
+        that ended meanwhile are still reported.
         """
         rng = np.random.default_rng([self._room.seed, 3])
         for index in range(self.expected_frames or round(LONGEST_S * FPS)):

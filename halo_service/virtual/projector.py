@@ -28,7 +28,7 @@ class Projector:
     aim_mm: tuple[float, float] = (150.0, 100.0)
     """Where its axis meets the table."""
     turn_deg: float = 1.5
-    """About its axis; nobody mounts one straight."""
+    """About its axis; no projector is mounted straight."""
     throw: float = 1.25
     """Distance over picture width; chosen so that the picture reaches past the area."""
     brightness: float = 0.8

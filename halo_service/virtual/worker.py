@@ -15,7 +15,7 @@ from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 from typing import TextIO
 
-# One thread each: the service beside needs the other core.
+# One thread each: the service needs the other core.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import cv2  # after the environment above
@@ -45,7 +45,7 @@ def run(
     truth_path: str | None,
 ) -> None:
     """Scenario a scenario for ever, or until the pipe closes."""
-    # A whole process group is told to stop; ending is the parent's affair.
+    # Ctrl-C reaches the whole process group; the parent ends this process.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     cv2.setNumThreads(1)

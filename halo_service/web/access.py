@@ -1,7 +1,7 @@
 """Which requests are answered.
 
 Rule: pure. A web page of any site can send requests to this machine; a name server of any site can
-point at it. So the host that the browser asked for, and the page that asks, must be allowed.
+point at it. So both the requested host and the requesting page must be allowed.
 """
 
 from __future__ import annotations

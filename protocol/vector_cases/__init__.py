@@ -1,5 +1,5 @@
 """The cases behind `vectors/*.json`: what to say, and what comes of it.
 
-Rule: pure tables. A new case is a new entry; `generate.py` beside this folder writes the files,
-and what is expected is asked from the code, so a change of behaviour shows as a change of files.
+Rule: pure tables. A new case is a new entry; `generate.py` next to this folder writes the files,
+and what is expected is computed by the code, so a change of behaviour shows as a change of files.
 """

@@ -91,7 +91,7 @@ def test_a_place_that_is_none_is_one_sentence(out: str, says: str) -> None:
 def test_a_gallery_that_cannot_be_written_deletes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Drawn small: what is asked is where it goes.
+    # Drawn small: the test checks where it goes.
     monkeypatch.setattr(gallery, "gallery", lambda seed, sensor: np.zeros((8, 8, 3), np.uint8))
     old = tmp_path / "old.png"
     old.write_text("the user's")

@@ -1,4 +1,4 @@
-"""Projector and anchor are kept with the profile; a profile without them is read as before."""
+"""Projector and anchor are stored with the profile; a profile without them is read as before."""
 
 import json
 from dataclasses import replace
@@ -25,14 +25,14 @@ def placed(profile: Profile) -> Profile:
 
 
 def test_projector_and_anchor_are_saved(profile, tmp_path):
-    kept = placed(profile)
-    save(kept, tmp_path)
+    saved = placed(profile)
+    save(saved, tmp_path)
     read = load(tmp_path)
     assert (read.projector.width_px, read.projector.height_px) == (1280, 800)
     np.testing.assert_array_equal(read.projector.projector_from_surface, HOMOGRAPHY)
     assert (read.anchor.family, read.anchor.marker) == ("apriltag-36h11", 7)
     assert read.anchor.size_mm == 80.0
-    np.testing.assert_array_equal(read.anchor.anchor_from_surface, kept.anchor.anchor_from_surface)
+    np.testing.assert_array_equal(read.anchor.anchor_from_surface, saved.anchor.anchor_from_surface)
 
 
 def test_a_profile_of_before_has_neither(profile, tmp_path):

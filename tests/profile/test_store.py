@@ -45,9 +45,9 @@ def assert_same(a: Profile, b: Profile) -> None:
 
 @pytest.mark.parametrize("touch", [True, False])
 def test_what_is_saved_is_loaded(profile: Profile, tmp_path: Path, touch: bool) -> None:
-    kept = profile if touch else replace(profile, touch=None)
-    save(kept, tmp_path / "p")
-    assert_same(load(tmp_path / "p"), kept)
+    saved = profile if touch else replace(profile, touch=None)
+    save(saved, tmp_path / "p")
+    assert_same(load(tmp_path / "p"), saved)
 
 
 def test_saving_again_leaves_one_text_and_one_array_file(profile: Profile, tmp_path: Path) -> None:
@@ -280,8 +280,8 @@ def swept(profile: Profile) -> Profile:
 
 
 def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path) -> None:
-    kept = swept(profile)
-    save(kept, tmp_path)
+    saved = swept(profile)
+    save(saved, tmp_path)
     loaded = load(tmp_path).correction
     for name in (
         "x_mm",
@@ -292,7 +292,7 @@ def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path
         "deviations",
         "dent_by_pitch",
     ):
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(kept.correction, name))
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(saved.correction, name))
 
 
 @pytest.mark.parametrize("columns", [5, 6], ids=["the signal alone", "signal and dent"])

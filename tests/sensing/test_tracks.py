@@ -123,8 +123,8 @@ def test_a_tip_far_from_the_detection_is_another_finger(
 def test_two_pointers_on_one_finger_become_one() -> None:
     one, other = live(100, 300)
     there = replace(other, path=(*other.path, Past(11 * FRAME_US, (103.0, 305.0))))
-    kept = associate((one, there), (detection(100, 11),), 9)
-    assert [finger.id for finger in kept] == [1]
+    found = associate((one, there), (detection(100, 11),), 9)
+    assert [finger.id for finger in found] == [1]
 
 
 def test_a_finger_that_is_detected_elsewhere_for_long_ends() -> None:

@@ -125,7 +125,7 @@ class Projected:
     name = "projected board"
     family = ARUCO
     ALONG = 10
-    """45 points on 16:10, whose markers are still read where the picture is 45 cm wide and the
+    """45 points on 16:10; its markers are still read where the picture is 45 cm wide and the
     camera 1 m away."""
     SHARE = 0.7
     """Marker over square: what is left around a marker keeps the squares' corners clear of it."""

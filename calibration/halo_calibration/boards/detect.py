@@ -45,7 +45,7 @@ class DetectedBoard:
     picture: Points
     """(N, 2) where they are in the picture, px."""
     numbers: tuple[int, ...]
-    """Whose they are: the marker's number on a printed board, the corner's on a projected one."""
+    """Of each point: the marker's number on a printed board, the corner's on a projected one."""
     missing: tuple[int, ...]
     """Numbers on the board that were not seen."""
 

@@ -4,7 +4,7 @@ Rule: pictures in, pixels out. Every stripe picture is shown with its inverse, s
 surface's pattern nor the room's light matters: a dim room, where markers drown, is good enough.
 
 Neighbouring stripes differ in one picture alone (that is Gray's code), and where that one cannot
-be told the camera's pixel sees their border: then the border is the answer.
+be read the camera's pixel sees their border: then the border is the answer.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ WHITE, WHITE_SHARE = 250, 0.02
 """Grey level from which a pixel is blown out, and the share of the picture in one piece from
 which that is more than a reflection."""
 DARK = 40
-"""A picture whose brightest hundredth is darker shows nothing."""
+"""If the brightest hundredth of a picture is darker, the picture shows nothing."""
 WINDOW_PX, CONTRAST, STRONGEST = 31, 70, 0.6
 """A mark's edge is where so many grey levels lie within so many pixels, and so much of the most
 that do anywhere: wood's grain is soft even in focus."""

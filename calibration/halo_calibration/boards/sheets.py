@@ -19,7 +19,7 @@ RULER_X_MM = 14.0
 CROSSES_MM = tuple((x, y) for y in (-75.0, -25.0, 25.0, 75.0) for x in (-75.0, -25.0, 25.0, 75.0))
 """First light's crosses, row by row, from the sheet's middle: the paper's targets (5.2.1)."""
 CROSS_MM, CROSS_LINE_MM = 4.0, 0.3
-"""A cross's arm and its line: too thin for the depth camera, whose pixels are a millimetre."""
+"""A cross's arm and its line: too thin for the depth camera: its pixels are about a millimetre."""
 CORNERS_MM = (120.0, 90.0)
 """First light's corners, for a surface that is found by touch; all papers have room for them."""
 HOW = (

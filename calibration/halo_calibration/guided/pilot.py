@@ -19,7 +19,7 @@ ANGLES_DEG = (15.0, 30.0, 45.0, 60.0, 75.0)
 ROUNDS, ROUND_S = 3, 60.0
 """Three rounds of a minute at each angle (4.3.4)."""
 WEDGE_DEG = 45.0
-"""The angle whose median is a pilot's level: users sweep at it."""
+"""A pilot's level is the median at this angle: users sweep at it."""
 NEAR_DEG = 20.0
 """A pitch read farther from the wedge's was read off something else."""
 LEAST_SAMPLES = 40

@@ -108,19 +108,19 @@ def _touched(
     return [found[n : n + TOUCHES] for n in range(0, len(found), TOUCHES)]
 
 
-def _views(frames: Iterable[Frame], setup: Setup, each_s: float, wanted: int) -> Iterator[View]:
+def _views(frames: Iterable[Frame], setup: Setup, each_s: float, expected: int) -> Iterator[View]:
     """One view of each stripe picture, all shown equally long, one after the other."""
-    kept: dict[int, list[Frame]] = {number: [] for number in range(wanted)}
+    views: dict[int, list[Frame]] = {number: [] for number in range(expected)}
     first_us: int | None = None
     for frame in frames:
         first_us = frame.time_us if first_us is None else first_us
         number, part = divmod((frame.time_us - first_us) / 1e6 / each_s, 1.0)
-        if number in kept and MIDDLE[0] <= part <= MIDDLE[1]:
-            kept[int(number)].append(frame)
-    for number, shown in kept.items():
+        if number in views and MIDDLE[0] <= part <= MIDDLE[1]:
+            views[int(number)].append(frame)
+    for number, shown in views.items():
         if not shown:
             raise CalibrationError(
-                f"no frame shows stripe picture {number + 1} of {wanted}: show each for half a "
+                f"no frame shows stripe picture {number + 1} of {expected}: show each for half a "
                 f"second, or correct the script's times"
             )
         yield colour_view(shown, setup.camera)

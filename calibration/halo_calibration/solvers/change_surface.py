@@ -19,7 +19,7 @@ def moved_to(profile: Profile, surface: Surface, base: Base | None) -> Profile:
     """Return the profile with another surface on its plane.
 
     Places and directions of the touches and of the sweep, the projector and the anchor keep
-    where they are on the table. `base`: what the correction is fitted on again, where it is kept.
+    where they are on the table. `base`: what the correction is fitted on again, unless dropped.
     """
     old_from_new = np.linalg.inv(profile.surface.camera_from_surface) @ surface.camera_from_surface
     new_from_old = np.linalg.inv(old_from_new)

@@ -34,7 +34,7 @@ Place = tuple[float, float]
 
 
 class Dwells:
-    """Tells touches from the observations as they come."""
+    """Finds touches in the observations as they arrive."""
 
     def __init__(self, fps: float, least_raw: float = NO_HALO_MM_PX) -> None:
         """`least_raw`: the weakest halo that is a touch, mm px."""
@@ -46,7 +46,7 @@ class Dwells:
         """The finger as it was taken, until it is lifted."""
 
     def take(self, seen: Observation | None) -> Place | None:
-        """Look at one frame's finger; return where a touch was, once for each."""
+        """Process one frame's finger; return where a touch was, once for each."""
         if self._resting is not None:
             if seen is None or not self._lifted(seen, self._resting):
                 return None
@@ -74,7 +74,7 @@ class Dwells:
 
 
 def dwells_for(profile: Profile, fps: float) -> Dwells:
-    """Look for touches by what is known of this finger's halo."""
+    """Find touches with the halo levels of this finger."""
     if profile.touch is None:
         return Dwells(fps)
     return Dwells(fps, max(NO_HALO_MM_PX, LEAST_OF_TOUCH * profile.touch.touch.raw))

@@ -46,7 +46,7 @@ class HomographyFit:
     off_mm: Points
     """Likewise, on the surface."""
     names: tuple[str, ...]
-    """Whose they are."""
+    """Of the marks, in the same order."""
     outliers: tuple[str, ...]
     """Names of the points that took no part."""
     covered: float

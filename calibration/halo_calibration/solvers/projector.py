@@ -23,7 +23,7 @@ from halo_service.geometry.camera import Lens, Points
 from halo_service.geometry.surface import Surface
 
 WORST_PX, WORST_TOUCH_MM = 3.0, 4.0
-"""A fit with a larger error is refused (the promise to the user)."""
+"""A fit with a larger error is refused (the accuracy that the documentation states)."""
 OUTLIER_PX, OUTLIER_TOUCH_MM = 6.0, 12.0
 """What lies farther from the fit takes no part: twice and three times the worst of a good fit."""
 COVERED = 0.7

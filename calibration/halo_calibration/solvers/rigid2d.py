@@ -12,7 +12,7 @@ from halo_calibration.errors import CalibrationError
 from halo_service.geometry.camera import Points
 
 EDGE = 1e-3
-"""Of an area: what a float32 hull leaves in doubt."""
+"""Of an area: the rounding error of a float32 hull."""
 TOUCHES = 3
 """Of each place that is touched."""
 STEADY_MM = 8.0

@@ -18,7 +18,7 @@ from halo_service.profile import Profile, StepRecord
 from halo_service.values import Frame
 
 SAME_MM, SAME_DEG = 3.0, 0.5
-"""A new background whose plane agrees this well leaves the surface where it was."""
+"""If the plane of a new background agrees this well, the surface stays where it was."""
 HANDS_LOOKED_FOR = 10
 """Every tenth frame of the background is searched for hands."""
 FAIR_RESIDUAL_MM, FAIR_LEFT_OUT = 3.0, 0.25

@@ -41,7 +41,7 @@ GOOD_ANCHOR_MM = 0.7
 MOST_NAMED = 6
 """Points that are named one by one."""
 MOST_LOGGED = 100
-"""Points whose error is logged, the worst first: stripes have thousands."""
+"""The worst points are logged with their error: stripes have thousands of points."""
 
 _log = logging.getLogger(__name__)
 

@@ -1,6 +1,6 @@
-"""Chooses the service that a receiver follows: one surface of one node, unless told otherwise.
+"""Chooses the service that a receiver follows: by default one surface of one node.
 
-Rule: pure. Several services may send to one port; a program that draws or plays must not mix
+Rule: pure. Several services may send to one port; a program that draws or makes sound must not mix
 their fingers. The first one that sends a frame is followed until it is lost.
 """
 

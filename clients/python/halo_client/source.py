@@ -44,9 +44,9 @@ class OscSource:
     follow: Follow = FIRST
     """Which service to follow."""
     hello: tuple[str, int] | None = None
-    """Control port of a service that is asked to send here; None: it sends by its settings."""
+    """Control port of the service to request a stream from; None: it sends by its settings."""
     stream: str = "frames"
-    """What it is asked for, such as `frames,rate=30`."""
+    """The stream to request, such as `frames,rate=30`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ def _osc(url: str, parts: SplitResult, port: int | None) -> OscSource:
     settings = _settings("osc", parts, ("hello", "rate"))
     hello = _place(settings["hello"][-1]) if "hello" in settings else None
     if "rate" in settings and hello is None:
-        raise ClientError("osc: rate needs hello=HOST:PORT, the service that is asked to send")
+        raise ClientError("osc: rate needs hello=HOST:PORT, the service to request the stream from")
     default = DEFAULT_PORT if hello is None else 0
     return OscSource(
         parts.hostname or ("127.0.0.1" if hello is None else ""),

@@ -46,7 +46,7 @@ class UdpInput:
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         """The next datagram and its sender, or None after the timeout.
 
-        `ClientError` if the service that was asked for its stream refuses.
+        `ClientError` if the service refuses the requested stream.
         """
         if self._lease:
             self._send(self._lease.due(time.monotonic()))
@@ -70,7 +70,7 @@ class UdpInput:
                 self._socket.sendto(datagram, self._service)
 
     def close(self) -> None:
-        """Close the port; end the stream that was asked for. May be called twice."""
+        """Close the port; end the requested stream. May be called twice."""
         if self._lease and self._socket.fileno() >= 0:
             self._send(self._lease.goodbye())
         self._socket.close()

@@ -1,1 +1,1 @@
-"""Plays a scripted stream at a client, and compares what the client shows with what is correct."""
+"""Sends a scripted stream to a client, and compares what the client shows with what is correct."""

@@ -192,7 +192,7 @@ def _scale(picture_from_surface: Places, at: Places) -> float:
 
 
 def _fine(px: Places) -> tuple[int, int]:
-    """Return a pixel for OpenCV, whose (0, 0) is the centre of a pixel, in sixteenths."""
+    """Return a pixel in sixteenths for OpenCV; its (0, 0) is the centre of a pixel."""
     x, y = np.rint((np.clip(px, -9999.0, 9999.0) - 0.5) * (1 << SHIFT)).astype(int)
     return int(x), int(y)
 

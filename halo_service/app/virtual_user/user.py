@@ -1,4 +1,4 @@
-"""The virtual user: a source whose finger follows the prompts of the calibration.
+"""The virtual user: a source with a finger that follows the prompts of the calibration.
 
 It makes a calibration possible without a camera. It follows the same prompts that a person reads.
 Frames come as fast as they can be rendered; their time stamps are simulated.

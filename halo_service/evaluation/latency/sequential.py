@@ -48,7 +48,7 @@ class Sequential:
         regressor: Regressor,
         watch: Stopwatch,
     ) -> None:
-        """`states`: the four of the profile, whose place is where the correction is 1."""
+        """`states`: the four of the profile; the correction is 1 at their place."""
         self._finder = finder
         self._regressor = regressor
         self._watch = watch

@@ -1,6 +1,6 @@
 """Whether a method knows when it may be wrong: touches reported with high and low confidence.
 
-A client can ignore touches with low confidence, but has no reason to doubt the others. So a wrong
+A client can ignore touches with low confidence, but must trust the others. So a wrong
 touch should have low confidence, and a right one high confidence, or the confidence is worthless.
 """
 

@@ -31,7 +31,7 @@ class DifficultTouch:
 def score_difficult(
     touches: Touches, truth: Truth, script: Sequence[Line]
 ) -> tuple[DifficultTouch, ...]:
-    """Return every feint and touch of the script; without those whose touch no frame shows."""
+    """Return every feint and touch of the script; without touches that no frame shows."""
     if not truth.frames:
         return ()
     start_us = truth.frames[0].time_us

@@ -108,7 +108,7 @@ def _trial(frames: Sequence[TouchFrame], truth: Truth, step: Line, start_us: int
 
 
 def _holder(kind: str, level: float, trues: Sequence[TrueFrame]) -> Who | None:
-    """Return the finger whose true height or force stayed nearest to the level.
+    """Return the finger with the true height or force nearest to the level.
 
     Not the lowest finger: next to a finger held at 15 mm, half-curled ones hang lower.
     """

@@ -44,7 +44,7 @@ def score_strikes(hits: Sequence[Hit]) -> tuple[Speed, ...]:
 
 
 def score_velocity(frames: Sequence[TouchFrame], truth: Truth) -> tuple[Speed, ...]:
-    """Compare the velocity in the plane of every pointer whose finger moves."""
+    """Compare the velocity in the plane of every pointer with a moving finger."""
     by_time = {frame.time_us: frame for frame in frames}
     return tuple(
         _speed((pointer.vx_mm_s, pointer.vy_mm_s), true)

@@ -169,7 +169,7 @@ def _by_properties(result: Result, scores: Scores) -> list[tuple[tuple[str, int,
     for name, words in PROPERTIES.items():
         value = getattr(result.subject, name)
         if value is None or value == "":
-            continue  # a recording, whose user is unknown
+            continue  # a recording: its user is unknown
         order, class_words = _class(name, value)
         groups.append(((words, order, class_words), scores))
     return groups

@@ -90,7 +90,7 @@ def sense_all(
 ) -> dict[str, tuple[TouchFrame, ...]]:
     """Return what each method publishes, by its name; the tracker is as late as it is live.
 
-    `track_image`: for the methods whose tracker sees the whole image; None: as for the others.
+    `track_image`: for methods with a tracker of the whole image; None: as for the others.
 
     Every frame goes to all methods before the next is read, so each is decoded once.
     """

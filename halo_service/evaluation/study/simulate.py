@@ -39,7 +39,7 @@ OpenTracker = Callable[[Camera, Profile | None, int], AbstractContextManager[Tra
 
 
 def simulate_calibration(user: User, task: Task, open_tracker: OpenTracker) -> StoredRecording:
-    """Simulate the calibration, whose empty surface the user's other recordings need."""
+    """Simulate the calibration; the user's other recordings need its empty surface."""
     simulation = _simulation(user, task)
     truth: list[Line] = []
     frames = _frames(simulation, task, truth)

@@ -28,7 +28,7 @@ REFRESH_US = 1_000_000
 
 
 class FlatFormat:
-    """Values of slots; remembers them to send only changes, if asked."""
+    """Values of slots; can send only changes."""
 
     def __init__(self, *, bundles: bool = True, changes: bool = False) -> None:
         self._bundles = bundles

@@ -1,4 +1,4 @@
-"""`painting`: strokes whose pressure changes along the way, without end."""
+"""`painting`: strokes with changing pressure, without end."""
 
 from __future__ import annotations
 

@@ -27,9 +27,9 @@ def touched(turn_deg, noise_mm, seed=1, order=(0, 1, 2, 3), count=3):
 def test_four_touched_corners_give_the_surface(turn_deg):
     off = []
     for seed in range(20):
-        laid = surface_by_touches(touched(turn_deg, 2.0, seed), PLANE)
+        fitted = surface_by_touches(touched(turn_deg, 2.0, seed), PLANE)
         there = sent(turned(40.0, 25.0, turn_deg), grid(310.0, 190.0))
-        here = laid.surface.from_camera(np.column_stack([there, np.zeros(25)]))[:, :2]
+        here = fitted.surface.from_camera(np.column_stack([there, np.zeros(25)]))[:, :2]
         off.append(np.linalg.norm(here - grid(310.0, 190.0), axis=1))
     print(f"turned by {turn_deg:.0f}: {np.mean(off):.2f} mm, at most {np.max(off):.2f}")
     assert np.mean(off) < 1.5
@@ -37,12 +37,12 @@ def test_four_touched_corners_give_the_surface(turn_deg):
 
 
 def test_touches_without_an_error_give_the_rectangle_itself():
-    laid = surface_by_touches(touched(30.0, 0.0), PLANE)
-    assert laid.surface.width_mm == pytest.approx(310.0)
-    assert laid.surface.height_mm == pytest.approx(190.0)
-    np.testing.assert_allclose(laid.surface.camera_from_surface[:2, 3], [40.0, 25.0], atol=1e-9)
-    assert laid.error_mm == pytest.approx(0.0, abs=1e-9)
-    assert laid.surface.name == "table"
+    fitted = surface_by_touches(touched(30.0, 0.0), PLANE)
+    assert fitted.surface.width_mm == pytest.approx(310.0)
+    assert fitted.surface.height_mm == pytest.approx(190.0)
+    np.testing.assert_allclose(fitted.surface.camera_from_surface[:2, 3], [40.0, 25.0], atol=1e-9)
+    assert fitted.error_mm == pytest.approx(0.0, abs=1e-9)
+    assert fitted.surface.name == "table"
 
 
 def moved(corner, by):

@@ -82,7 +82,7 @@ STUCK = {
     "reported of this finger, far from it": (pressed(5, 25, 160.0), {6: [down()], 26: [up()]}, 0),
     "reported of a finger in the air, far from the one that touches": (
         pressed(5, 25, 160.0, finger="middle"), {6: [down()], 26: [up()]}, 1),
-    "during a touch that the take's end cuts off": (
+    "during a touch that the recording's end cuts off": (
         [line for line in pressed(5, 29) if "contact" not in line], {5: [down()]}, 0),
     "of a tap that no frame was taken of": ([*AIR, contact(4.3, 4.6)], {5: [down()]}, 1),
 }  # fmt: skip
@@ -134,10 +134,10 @@ def test_neighbours_do_not_get_each_others_pointers():
     assert (behaviour.without_pointer, behaviour.id_changes, behaviour.stray) == (5, 0, 0)
 
 
-@pytest.mark.parametrize("plays, unseen", [("index", 0), ("ring", COUNT)])
-def test_an_inactive_finger_needs_no_pointer(plays, unseen):
+@pytest.mark.parametrize("moving, unseen", [("index", 0), ("ring", COUNT)])
+def test_an_inactive_finger_needs_no_pointer(moving, unseen):
     fingers = everywhere([finger(100.0), finger(140.0, finger="ring")])
-    lines = [*truth_frames(COUNT, fingers), contact(5, 10, finger=plays)]
+    lines = [*truth_frames(COUNT, fingers), contact(5, 10, finger=moving)]
     behaviour = behaviour_of(lines, pointers=everywhere([pointer(1, 100.0)]))
     assert (behaviour.without_pointer, behaviour.fingers) == (unseen, COUNT + unseen)
 

@@ -31,8 +31,8 @@ def test_each_user_does_most_tasks_once_and_the_materials_alternate() -> None:
 @pytest.mark.parametrize("sensor", ["kind", "true"])
 def test_the_quick_study_runs_on_either_sensor(sensor: str) -> None:
     for user, tasks in quick_plan(sensor=sensor).items():
-        asked = {parse_sim_url(user.source(task)).room.sensor for task in tasks}
-        assert asked == {SENSORS[sensor]}
+        sensors = {parse_sim_url(user.source(task)).room.sensor for task in tasks}
+        assert sensors == {SENSORS[sensor]}
 
 
 def test_tuning_users_are_not_reported() -> None:

@@ -61,7 +61,7 @@ class State:
     correct: Callable[[Reading, Correction | None], float] = corrected
     """Stage 4.3.4, by the profile's grid; the latency runs use the regressor itself."""
     waiting: tuple[Frame, ...] = ()
-    """Frames whose hands may not be known yet, oldest first."""
+    """Frames that wait for their hands, oldest first."""
     sensed_us: int = -1
     """Time of the newest frame that was sensed."""
     last: Published = field(default_factory=Published)

@@ -36,6 +36,10 @@ class Background:
     """(H, W) standard deviation over the frames."""
     valid: NDArray[np.bool_]
     """(H, W) True where enough frames had a measurement."""
+    infrared: NDArray[np.float32] | None = None
+    """(H, W) mean infrared; None in an older profile."""
+    infrared_noise: float = 0.0
+    """Standard deviation of a pixel's infrared over the frames, as a share of its mean."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,6 +67,9 @@ def array_files(profile: Profile) -> dict[str, bytes]:
             "valid": background.valid,
         }
     }
+    if background.infrared is not None:
+        kinds["background"]["infrared"] = background.infrared
+        kinds["background"]["infrared_noise"] = np.array(background.infrared_noise)
     if profile.correction is not None:
         correction = profile.correction
         kinds["correction"] = {
@@ -169,18 +172,22 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
     )
     wanted = (profile.camera.depth.height, profile.camera.depth.width)
     background = profile.background
-    for array in (background.mean_mm, background.noise_mm, background.valid):
-        if array.shape != wanted:
+    arrays = (background.mean_mm, background.noise_mm, background.valid, background.infrared)
+    for array in arrays:
+        if array is not None and array.shape != wanted:
             raise ValueError("its background does not fit its camera")
     return profile
 
 
 def _background(path: Path) -> Background:
-    read = _arrays(path, ("mean_mm", "noise_mm", "valid"))
+    read = _arrays(path, ("mean_mm", "noise_mm", "valid"), ("infrared", "infrared_noise"))
+    infrared = read.get("infrared")
     return Background(
         read["mean_mm"].astype(np.float32),
         read["noise_mm"].astype(np.float32),
         read["valid"].astype(np.bool_),
+        None if infrared is None else infrared.astype(np.float32),
+        float(read.get("infrared_noise", 0.0)),
     )
 
 

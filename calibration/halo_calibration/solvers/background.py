@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from halo_calibration.errors import CalibrationError
 from halo_calibration.image_places import largest
 from halo_service.profile import Background
-from halo_service.values import Depth
+from halo_service.values import Depth, Infrared
 
 WANTED_FRAMES = 60
 """The paper's background is the mean of 60 frames (section 4.3.1)."""
@@ -33,10 +34,11 @@ THRESHOLD_SIGMAS, THRESHOLD_MM = 5.0, (4.0, 10.0)
 paper (4.3.1: 5 to 10 by placement and material), the lower one a little below."""
 
 
-def solve_background(depths: Sequence[Depth]) -> Background:
+def solve_background(depths: Sequence[Depth], infrareds: Sequence[Infrared] = ()) -> Background:
     """Average depth frames of the empty surface.
 
-    `depths`: (H, W) uint16 mm, 0 = unmeasured; unmeasured values count for nothing.
+    `depths`: (H, W) uint16 mm, 0 = unmeasured; unmeasured values count for nothing;
+    `infrareds`: (H, W) of the same frames, if there is infrared.
     Raises `CalibrationError` for too few frames, or where something moved, saying where.
     """
     if len(depths) < LEAST_FRAMES:
@@ -56,7 +58,22 @@ def solve_background(depths: Sequence[Depth]) -> Background:
             f"{share:.0f} % of it): keep hands and people out of the camera's view, and take it "
             f"again"
         )
-    return background
+    return _with_infrared(background, infrareds) if infrareds else background
+
+
+def _with_infrared(background: Background, infrareds: Sequence[Infrared]) -> Background:
+    """Return the background with the mean of its infrared and its typical noise."""
+    total, squares = (np.zeros(background.valid.shape, np.float64) for _ in range(2))
+    for infrared in infrareds:
+        cv2.accumulate(infrared, total)
+        cv2.accumulateSquare(infrared, squares)
+    mean = total / len(infrareds)
+    seen = background.valid & (mean > 0.0)
+    if not seen.any():
+        return background  # such as a recording without infrared
+    variance = np.maximum(squares[seen] / len(infrareds) - mean[seen] ** 2, 0.0)
+    noise = float(np.median(np.sqrt(variance) / mean[seen]))
+    return replace(background, infrared=mean.astype(np.float32), infrared_noise=noise)
 
 
 def average(depths: Sequence[Depth]) -> Background:

@@ -27,7 +27,7 @@ FAIR_RESIDUAL_MM, FAIR_LEFT_OUT = 3.0, 0.25
 
 def background_change(setup: Setup, frames: Sequence[Frame], detect: DetectHands) -> Change:
     """Calibrate the empty surface, and the plane it lies in. Raises `CalibrationError`."""
-    background = solve_background([frame.depth for frame in frames])
+    background = solve_background([frame.depth for frame in frames], [frame.ir for frame in frames])
     _refuse_hands(frames, detect)
     plane = solve_plane(background, setup.camera)
     noise_mm = float(np.median(background.noise_mm[background.valid]))

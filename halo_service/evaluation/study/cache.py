@@ -17,7 +17,7 @@ from halo_service.evaluation.study.simulate import (
 )
 from halo_service.files import folder_lock
 
-VERSION = 4
+VERSION = 5
 """Grows when the virtual camera, the hand tracker's picture or the stored data change what they
 give. Somebody raises it on purpose: a hash of the sources would discard hours of simulation for a
 comment."""

@@ -3,7 +3,7 @@
 Simulating a frame and tracking its hands costs 30 ms, sensing it 2 ms. So both are done once, and
 every method reads the same frames. A frame is stored as a window around everything that is not the
 empty surface; outside there is only noise, restored as the background plus the device's drift. The
-sensing reads no infrared and no colour, so neither is stored.
+sensing reads no colour, so none is stored.
 """
 
 from __future__ import annotations
@@ -54,6 +54,8 @@ class StoredFrame:
     box: Box
     png: bytes
     """The depth inside the box."""
+    infrared_png: bytes
+    """The infrared inside the box."""
     lattice: Depth
     """The depth of the pixels of `LATTICE`."""
     hands: tuple[Hand, ...]
@@ -101,11 +103,15 @@ def restore(
     surface = np.rint(background.mean_mm + _drift_mm(stored.lattice, background))
     depth = np.where(background.valid, surface, np.float32(0.0)).astype(np.uint16)
     depth[LATTICE] = stored.lattice
+    infrared = np.zeros_like(depth)
+    if background.infrared is not None:
+        np.rint(background.infrared, out=infrared, casting="unsafe")
     left, top, right, bottom = stored.box
     if right > left and bottom > top:
         data = np.frombuffer(stored.png, np.uint8)
         depth[top:bottom, left:right] = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
-    infrared = np.zeros_like(depth)
+        data = np.frombuffer(stored.infrared_png, np.uint8)
+        infrared[top:bottom, left:right] = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     hands = stored.image_hands if whole_image else stored.hands
     return Frame(stored.time_us, depth, infrared), Tracked(stored.time_us, hands)
 
@@ -131,6 +137,7 @@ def save(path: Path, recording: StoredRecording, key: str) -> None:
     ]
     landmarks = [hand.landmarks_px for _, _, hand in hands]
     ends = np.cumsum([len(each.png) for each in frames], dtype=np.int64)
+    infrared_ends = np.cumsum([len(each.infrared_png) for each in frames], dtype=np.int64)
     path.parent.mkdir(parents=True, exist_ok=True)
     with appearing(path) as file:
         np.savez(
@@ -140,6 +147,8 @@ def save(path: Path, recording: StoredRecording, key: str) -> None:
             lattice=np.array([each.lattice for each in frames], np.uint16),
             png=np.frombuffer(b"".join(each.png for each in frames), np.uint8),
             png_end=ends,
+            infrared_png=np.frombuffer(b"".join(each.infrared_png for each in frames), np.uint8),
+            infrared_png_end=infrared_ends,
             hand_frame=np.array([index for index, _, _ in hands], np.int64),
             hand_whole_image=np.array([whole for _, whole, _ in hands], np.bool_),
             hand_side=np.array([int(hand.side) for _, _, hand in hands], np.int64),
@@ -173,24 +182,25 @@ def load(path: Path) -> StoredRecording:
         strict=True,
     ):
         by_frame.setdefault((index, whole_image), []).append(Hand(Side(side), px, sure))
-    blob, ends = data["png"].tobytes(), data["png_end"].tolist()
-    starts = [0, *ends[:-1]]
+    depths = _split(data["png"], data["png_end"])
+    infrareds = _split(data["infrared_png"], data["infrared_png_end"])
     frames = tuple(
         StoredFrame(
             time_us,
             tuple(box),
-            blob[start:end],
+            depth,
+            infrared,
             lattice,
             tuple(by_frame.get((index, False), ())),
             tuple(by_frame.get((index, True), ())),
         )
-        for index, (time_us, box, lattice, start, end) in enumerate(
+        for index, (time_us, box, lattice, depth, infrared) in enumerate(
             zip(
                 data["time_us"].tolist(),
                 data["box"].tolist(),
                 data["lattice"],
-                starts,
-                ends,
+                depths,
+                infrareds,
                 strict=True,
             )
         )
@@ -208,7 +218,14 @@ def restored(
 
 def _stored(frame: Frame, tracked: Tracked, box: Box) -> StoredFrame:
     lattice = frame.depth[LATTICE].copy()  # a view would hold the whole frame in memory
-    return StoredFrame(frame.time_us, box, _png(frame.depth, box), lattice, tracked.hands)
+    depth, infrared = _png(frame.depth, box), _png(frame.ir, box)
+    return StoredFrame(frame.time_us, box, depth, infrared, lattice, tracked.hands)
+
+
+def _split(joined: NDArray[np.uint8], ends: NDArray[np.int64]) -> list[bytes]:
+    """Return the pieces of joined bytes, each up to its end."""
+    whole, stops = joined.tobytes(), ends.tolist()
+    return [whole[start:stop] for start, stop in zip([0, *stops[:-1]], stops, strict=True)]
 
 
 def _drift_mm(lattice: Depth, background: Background) -> np.float32:
@@ -254,12 +271,12 @@ def _clipped(left: float, top: float, right: float, bottom: float, shape: Sequen
     )
 
 
-def _png(depth: Depth, box: Box) -> bytes:
+def _png(image: NDArray[np.uint16], box: Box) -> bytes:
     left, top, right, bottom = box
     if right <= left or bottom <= top:
         return b""
     done, data = cv2.imencode(
-        ".png", depth[top:bottom, left:right], [cv2.IMWRITE_PNG_COMPRESSION, 1]
+        ".png", image[top:bottom, left:right], [cv2.IMWRITE_PNG_COMPRESSION, 1]
     )
     assert done  # a 16-bit grey image always can
     return data.tobytes()

@@ -51,7 +51,7 @@ def simulate_calibration(user: User, task: Task, open_tracker: OpenTracker) -> S
                 break
             empty.append(frame)
             stored.append(store_whole(frame, track(frame)))
-    background = solve_background([each.depth for each in empty])
+    background = solve_background([each.depth for each in empty], [each.ir for each in empty])
     later = chain((frame,), frames)
     stored += _stored(user, task, later, background, open_tracker, simulation.camera)
     return StoredRecording(tuple(stored), tuple(truth), tuple(simulation.script()))
@@ -70,7 +70,8 @@ def simulate_task(
 
 def background_of(calibration: StoredRecording) -> Background:
     """Return the empty surface that a calibration begins with."""
-    return solve_background([frame.depth for frame in empty_frames(calibration)])
+    frames = list(empty_frames(calibration))
+    return solve_background([frame.depth for frame in frames], [frame.ir for frame in frames])
 
 
 def profile_of_table(name: str, background: Background, camera: Camera) -> Profile:

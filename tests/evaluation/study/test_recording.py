@@ -97,9 +97,9 @@ def test_both_give_the_same_pointers_with_the_same_values(both: Both) -> None:
 def test_a_recording_reads_back_as_it_was_written(tmp_path: Path) -> None:
     hand = Hand(Side.LEFT, np.arange(42, dtype=np.float32).reshape(21, 2).astype(np.float64), 0.5)
     frames = (
-        StoredFrame(7, (0, 0, 0, 0), b"", np.array([[500, 0]], np.uint16), ()),
+        StoredFrame(7, (0, 0, 0, 0), b"", b"", np.array([[500, 0]], np.uint16), ()),
         StoredFrame(
-            9, (1, 2, 3, 4), b"xy", np.array([[501, 499]], np.uint16), (hand,), (hand, hand)
+            9, (1, 2, 3, 4), b"xy", b"z", np.array([[501, 499]], np.uint16), (hand,), (hand, hand)
         ),
     )
     truth, script = ({"time_us": 7, "fingers": []},), ({"step": "hover"},)
@@ -107,7 +107,7 @@ def test_a_recording_reads_back_as_it_was_written(tmp_path: Path) -> None:
     again = load(tmp_path / "a" / "recording.npz")
     assert (again.truth, again.script) == (truth, script)
     for before, after in zip(frames, again.frames, strict=True):
-        for name in ("time_us", "box", "png"):
+        for name in ("time_us", "box", "png", "infrared_png"):
             assert getattr(before, name) == getattr(after, name), name
         assert np.array_equal(before.lattice, after.lattice)
     assert again.frames[0].hands == ()

@@ -19,6 +19,7 @@ from zeroconf import (
 
 import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.evaluation.report.table import Table
 from halo_service.outputs.settings import LISTEN
 from halo_service.settings import Settings
 from halo_service.web.announcement import OSC
@@ -48,8 +49,19 @@ def find_services(settings: Settings) -> list[Service]:
 
 def format_service(service: Service) -> str:
     """Return a service as one line."""
+    *cells, by, address = _cells(service)
+    return "  ".join((*cells, f"{by} {address}"))
+
+
+def table_of(services: list[Service]) -> Table:
+    """Return the services as a table."""
+    head = ("node", "surface", "rate", "found by", "address")
+    return Table("", head, tuple(map(_cells, services)))
+
+
+def _cells(service: Service) -> tuple[str, ...]:
     node, surface, _, rate_hz, by, address = service
-    return f"{node}  {surface}  {rate_hz:g} Hz  {by} {address}"
+    return node, surface, f"{rate_hz:g} Hz", by, address
 
 
 def _by_mdns() -> list[Service]:

@@ -12,6 +12,7 @@ from halo_protocol.osc import padded
 from halo_service.app.calibration_ui.calibrate import missing
 from halo_service.app.service.commands import LEAST_STATUS, STATUS
 from halo_service.errors import UserError
+from halo_service.evaluation.report.table import Table
 from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path
 from halo_service.settings import Settings
@@ -49,9 +50,18 @@ def examine(settings: Settings) -> list[Finding]:
 
 def format_finding(finding: Finding) -> str:
     """Return a finding as one line."""
-    mark = "ok     " if finding.good else "none   " if finding.optional else "MISSING"
-    remedy = f"; {finding.remedy}" if finding.remedy and not finding.good else ""
-    return f"{mark} {finding.what}: {finding.state}{remedy}"
+    mark, what, state, remedy = _cells(finding)
+    return f"{mark:7} {what}: {state}" + (f"; {remedy}" if remedy else "")
+
+
+def table_of(findings: list[Finding]) -> Table:
+    """Return the findings as a table."""
+    return Table("", ("", "check", "state", "remedy"), tuple(map(_cells, findings)))
+
+
+def _cells(finding: Finding) -> tuple[str, str, str, str]:
+    mark = "ok" if finding.good else "none" if finding.optional else "MISSING"
+    return mark, finding.what, finding.state, "" if finding.good else finding.remedy
 
 
 def _packages(settings: Settings) -> Finding:

@@ -3,53 +3,46 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from halo_service.app.tables import print_tables
 from halo_service.errors import UserError
+from halo_service.evaluation.report.table import Table
 from halo_service.profile import Profile
 from halo_service.profile.archive import pack, unpack
 from halo_service.profile.model import TouchState
 from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
 
+Rows = Iterator[tuple[str, str]]
+"""What it is, and its value."""
 NAME = re.compile(r"[\w-][\w .-]{0,63}")
 """Valid names of profiles in the data folder."""
 
 
-def list_profiles() -> list[str]:
-    """Return one line for each profile in the data folder of the user."""
+def print_list() -> None:
+    """Print one row for each profile in the data folder of the user."""
     folder = profiles_path()
-    found = sorted(path.parent for path in folder.glob(f"*/{TEXT}"))
-    return [_line(each) for each in found] or [
-        f"no profiles in {folder}; make one with: halo calibrate --profile desk"
-    ]
+    rows = [_row(each) for each in sorted(path.parent for path in folder.glob(f"*/{TEXT}"))]
+    if not rows:
+        print(f"no profiles in {folder}; make one with: halo calibrate --profile desk")
+        return
+    lines = (f"{a}: {b}, camera {serial}" if serial else f"{a}: {b}" for a, b, serial in rows)
+    print_tables(
+        Table("", ("profile", "calibrated", "camera"), tuple(rows)), plain="\n".join(lines)
+    )
 
 
-def show(name: str) -> list[str]:
-    """Return the lines that describe a profile."""
+def print_profile(name: str) -> None:
+    """Print what is in a profile."""
     folder = profile_path(name)
     profile = load(folder)
-    camera, surface = profile.camera, profile.surface
-    lines = [
-        f"{profile.name}: {profile.calibrated}, revision {profile.revision}, {folder}",
-        f"camera {camera.serial}, {camera.depth_mode}",
-        f"surface {surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm",
-        f"halo threshold {profile.halo_threshold_mm:g} mm",
-    ]
-    if profile.projector is not None:
-        lines.append(f"projector {profile.projector.width_px} x {profile.projector.height_px} px")
-    if profile.anchor is not None:
-        anchor = profile.anchor
-        lines.append(f"anchor {anchor.family} {anchor.marker}, {anchor.size_mm:g} mm")
-    for step, record in profile.steps.items():
-        figures = ", ".join(f"{key} {value:g}" for key, value in record.figures.items())
-        note = f" ({record.note})" if record.note else ""
-        lines.append(f"{step}: {record.quality}, {record.date}. {figures}{note}")
-    lines += _states(profile)
-    if profile.correction is not None:
-        base = profile.correction.base or "none"
-        lines.append(f"correction: {len(profile.correction.samples)} samples, base model {base}")
-    return lines
+    title = f"{profile.name}: {profile.calibrated}, revision {profile.revision}, {folder}"
+    facts = tuple(_facts(profile))
+    results = (*_steps(profile), *_states(profile), *_correction(profile))
+    lines = [*(f"{key} {value}" for key, value in facts), *(f"{a}: {b}" for a, b in results)]
+    print_tables(Table(title, ("", ""), (*facts, *results)), plain="\n".join([title, *lines]))
 
 
 def copy(name: str, to: str) -> Path:
@@ -92,24 +85,47 @@ def _renamed(profile: Profile, folder: Path) -> Profile:
     return replace(profile, name=folder.name)
 
 
-def _line(folder: Path) -> str:
+def _row(folder: Path) -> tuple[str, str, str]:
     try:
         profile = load(folder)
     except UserError as error:
-        return f"{folder.name}: {error}"
-    return f"{profile.name}: {profile.calibrated}, camera {profile.camera.serial}"
+        return folder.name, str(error), ""
+    return profile.name, profile.calibrated, profile.camera.serial
 
 
-def _states(profile: Profile) -> list[str]:
+def _facts(profile: Profile) -> Rows:
+    camera, surface = profile.camera, profile.surface
+    yield "camera", f"{camera.serial}, {camera.depth_mode}"
+    yield "surface", f"{surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm"
+    yield "halo threshold", f"{profile.halo_threshold_mm:g} mm"
+    if profile.projector is not None:
+        yield "projector", f"{profile.projector.width_px} x {profile.projector.height_px} px"
+    if profile.anchor is not None:
+        anchor = profile.anchor
+        yield "anchor", f"{anchor.family} {anchor.marker}, {anchor.size_mm:g} mm"
+
+
+def _steps(profile: Profile) -> Rows:
+    for step, record in profile.steps.items():
+        figures = ", ".join(f"{key} {value:g}" for key, value in record.figures.items())
+        note = f" ({record.note})" if record.note else ""
+        yield step, f"{record.quality}, {record.date}. {figures}{note}"
+
+
+def _correction(profile: Profile) -> Rows:
+    if profile.correction is not None:
+        base = profile.correction.base or "none"
+        yield "correction", f"{len(profile.correction.samples)} samples, base model {base}"
+
+
+def _states(profile: Profile) -> Rows:
     sets = {"all fingers": profile.touch} | {
         f"{side.name.lower()} hand": states for side, states in profile.by_hand.items()
     }
-    return [
-        f"{fingers}: {name} {_state(getattr(states, name))}"
-        for fingers, states in sets.items()
-        if states is not None
-        for name in ("hover", "subtle", "touch", "pressure")
-    ]
+    for fingers, states in sets.items():
+        if states is not None:
+            for name in ("hover", "subtle", "touch", "pressure"):
+                yield fingers, f"{name} {_state(getattr(states, name))}"
 
 
 def _state(held: TouchState) -> str:

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-import pytest
+from tests.terminal import needs_terminal, shown, terminal
 
 SCRIPT = """
 import sys
@@ -25,26 +25,17 @@ def test_a_pipe_gets_the_words_alone() -> None:
     assert result.stdout.decode().split() == ["False"]  # nothing heavy is imported for no bar
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="pseudo terminals are POSIX")
+@needs_terminal
 def test_a_terminal_gets_a_bar_and_the_words() -> None:
-    ours, theirs = os.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
-    process = subprocess.Popen(
-        [sys.executable, "-c", SCRIPT], stdout=subprocess.PIPE, stderr=theirs, env=environment
-    )
-    os.close(theirs)
-    shown = b""
-    while True:
-        try:
-            part = os.read(ours, 4096)
-        except OSError:  # Linux reports the end of a pseudo terminal as an error
-            break
-        if not part:
-            break
-        shown += part
-    os.close(ours)
+    with terminal() as (ours, theirs):
+        process = subprocess.Popen(
+            [sys.executable, "-c", SCRIPT], stdout=subprocess.PIPE, stderr=theirs, env=environment
+        )
+        os.close(theirs)
+        text = shown(ours)
     printed, _ = process.communicate(timeout=60)
     assert printed.split() == [b"True"]
-    assert b"counting" in shown
-    assert b"100%" in shown
-    assert b"half of [it]" in shown
+    assert "counting" in text
+    assert "100%" in text
+    assert "half of [it]" in text

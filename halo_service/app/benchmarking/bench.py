@@ -14,11 +14,12 @@ import halo_protocol as wire
 from halo_calibration.base_model import choose_base
 from halo_calibration.solvers.correction import Reference, solve_correction
 from halo_calibration.solvers.touch import corrected
-from halo_service.app.benchmarking.table import table
+from halo_service.app.benchmarking.table import lines, tables
 from halo_service.app.files import written
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
 from halo_service.app.service.publisher import Publisher
+from halo_service.app.tables import print_tables
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.evaluation.latency.blocks import run
@@ -81,7 +82,7 @@ def bench(request: BenchRequest, settings: Settings) -> None:
         tracking = replace(settings.tracking, max_hands=hands)
         case = _case(source, hands, request, replace(settings, tracking=tracking))
         cases.append(case)
-        print("\n".join(table(case)), flush=True)
+        print_tables(*tables(case), plain="\n".join(lines(case)))
     if request.json is not None:
         with written(request.json) as file:
             file.write(json.dumps(_report(cases), indent=1) + "\n")

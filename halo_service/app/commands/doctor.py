@@ -19,10 +19,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Exit code 0: nothing that is needed is missing; 1: something is."""
-    from halo_service.app.doctor import examine, format_finding
+    from halo_service.app.doctor import examine, format_finding, table_of
+    from halo_service.app.tables import print_tables
 
     findings = examine(settings_from(options))
-    print("\n".join(format_finding(finding) for finding in findings))
+    print_tables(table_of(findings), plain="\n".join(map(format_finding, findings)))
     if all(finding.good or finding.optional for finding in findings):
         print("next: halo serve", file=sys.stderr)
         return 0

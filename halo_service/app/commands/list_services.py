@@ -19,11 +19,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Exit code 0: at least one service was found; 1: none."""
-    from halo_service.app.discovery import find_services, format_service
+    from halo_service.app.discovery import find_services, format_service, table_of
+    from halo_service.app.tables import print_tables
 
     services = find_services(settings_from(options))
-    for service in services:
-        print(json.dumps(service._asdict()) if options.json else format_service(service))
-    if not services and not options.json:
+    if options.json:
+        for service in services:
+            print(json.dumps(service._asdict()))
+    elif services:
+        print_tables(table_of(services), plain="\n".join(map(format_service, services)))
+    else:
         print("no service found; start one with: halo serve")
     return 0 if services else 1

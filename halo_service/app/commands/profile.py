@@ -34,9 +34,9 @@ def run(options: argparse.Namespace) -> int:
     from halo_service.app import profiles
 
     if options.action == "list":
-        print("\n".join(profiles.list_profiles()))
+        profiles.print_list()
     elif options.action == "show":
-        print("\n".join(profiles.show(options.name)))
+        profiles.print_profile(options.name)
     elif options.action == "copy":
         _written(profiles.copy(options.name, options.to))
     elif options.action == "export":

@@ -15,12 +15,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 from halo_service.app.files import STDOUT, written
+from halo_service.app.tables import print_tables
 from halo_service.errors import UserError
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.report import csv_file
 from halo_service.evaluation.report.page import page
-from halo_service.evaluation.report.summary import brief, heading, paragraphs, results_file
-from halo_service.evaluation.report.table import as_text
+from halo_service.evaluation.report.summary import brief, heading, results_file, tables
 
 PAGE = "index.html"
 
@@ -56,7 +56,7 @@ def open_report(options: ReportOptions) -> Iterator[Callable[[Sequence[Result]],
             if shown is not None:
                 shown.write(page(results, _facts(results, package)))
             if options.csv != STDOUT:
-                print(_words(options, results, package))
+                _print(options, results, package)
 
         yield write
 
@@ -71,12 +71,15 @@ def _page(folder: Path) -> Path:
     return folder / PAGE
 
 
-def _words(options: ReportOptions, results: Sequence[Result], package: str) -> str:
+def _print(options: ReportOptions, results: Sequence[Result], package: str) -> None:
     if options.each:
-        return "\n".join(brief(results))
-    if options.markdown:
-        return results_file(results, _facts(results, package)).rstrip("\n")
-    return "\n\n".join(paragraphs(results, package, as_text))
+        print("\n".join(brief(results)))
+    elif options.markdown:
+        print(results_file(results, _facts(results, package)), end="")
+    else:
+        print("\n".join(heading(results, package)))
+        print()
+        print_tables(*tables(results))
 
 
 def _facts(results: Sequence[Result], package: str) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.metrics.scores import Scores
@@ -12,7 +12,6 @@ from halo_service.evaluation.report.goals import VIRTUAL, goal_table
 from halo_service.evaluation.report.table import Table, as_markdown
 from halo_service.evaluation.study.plan import REPORTED, TUNED
 
-Format = Callable[[Table], str]
 LINE = (
     "{touches} touches: {missed} missed, {doubled} doubled, {outside} outside, {ghosts} ghosts, "
     "F1 {f1:.1%}",
@@ -25,18 +24,15 @@ LINE = (
 """Parts of the line of a task with touches."""
 
 
-def paragraphs(results: Sequence[Result], version: str, form: Format) -> Iterator[str]:
-    """Yield the heading and all tables. `form`: of a table; `version`: of the package."""
-    yield "\n".join(heading(results, version))
-    for table in (goal_table(results, note(results)), *breakdown(results)):
-        yield form(table)
+def tables(results: Sequence[Result]) -> tuple[Table, ...]:
+    """Return the table of goals, then those of the breakdown."""
+    return (goal_table(results, note(results)), *breakdown(results))
 
 
 def results_file(results: Sequence[Result], facts: Mapping[str, str]) -> str:
     """Return a Markdown page for `docs/results`; `facts`: command, date, commit, machine ..."""
     lines = [f"- {name}: {words}" for name, words in facts.items()]
-    tables = (goal_table(results, note(results)), *breakdown(results))
-    parts = ["# Evaluation results", "\n".join(lines), *map(as_markdown, tables)]
+    parts = ["# Evaluation results", "\n".join(lines), *map(as_markdown, tables(results))]
     return "\n\n".join(parts) + "\n"
 
 

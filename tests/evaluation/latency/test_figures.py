@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from halo_service.app.benchmarking.table import table
+from halo_service.app.benchmarking.table import lines, tables
 from halo_service.evaluation.latency.blocks import Arrangement, Block, Spent
 from halo_service.evaluation.latency.figures import Case, case_of, goals
 from halo_service.evaluation.latency.listener import Received
@@ -131,7 +131,7 @@ def test_an_early_down_counts_as_0_ms_and_hides_no_late_one(
     assert contacts is not None
     assert contacts.early == 1
     assert contacts.median_ms == pytest.approx((0.0 + 9 * FRAME_US / 1e3 + 4.0 - 290.0) / 2)
-    assert "2 of 2 reported, 1 before contact" in "\n".join(table(summed))
+    assert "2 of 2 reported, 1 before contact" in "\n".join(lines(summed))
 
 
 def test_one_down_belongs_to_one_contact(profile: Profile, camera: Camera) -> None:
@@ -170,7 +170,7 @@ def test_each_goal_passes_or_fails(
         contacts=[90_000],
     )
     assert [goal.passed for goal in goals(summed)] == passed
-    text = "\n".join(table(summed))
+    text = "\n".join(lines(summed))
     assert "waited" not in text  # 0.5 ms per frame are negligible
     assert text.count("pass") == sum(passed)
     assert text.count("  fail") == len(passed) - sum(passed)
@@ -201,7 +201,7 @@ def test_a_case_is_plain_enough_for_json(profile: Profile, camera: Camera) -> No
 def test_a_disturbed_run_has_a_note(profile: Profile, camera: Camera) -> None:
     ours = block("ours", [9.0] * 6)
     disturbed = replace(ours, spent=replace(ours.spent, core_wait_ms=6 * 4.2))
-    text = "\n".join(table(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
+    text = "\n".join(lines(case(profile, camera, disturbed, block("sequential", [40.0] * 6))))
     assert "waited 4.2 ms for a free core" in text
 
 
@@ -211,7 +211,8 @@ def test_the_table_names_each_stage_of_either_once(profile: Profile, camera: Cam
     ours = replace(block("ours", [1.0]), rows=rows)
     other = {"wait": MS, "decode": MS, "hands": 20 * MS, "encode": MS, "send": MS}
     sequential = replace(block("sequential", [1.0]), rows=(Row(0, other, ()),))
-    lines = table(case(profile, camera, ours, sequential))
-    names = [line.split()[0] for line in lines if line.startswith("  ")]
+    summed = case(profile, camera, ours, sequential)
+    names = [line.split()[0] for line in lines(summed) if line.startswith("  ")]
     first = names.index("wait")
     assert names[first : first + 6] == ["wait", "decode", "hands", "sense", "encode", "send"]
+    assert [name.strip() for name, *_ in tables(summed)[0].rows][1:7] == names[first : first + 6]

@@ -11,7 +11,7 @@ from halo_service.evaluation.methods import METHODS
 from halo_service.evaluation.metrics.result import Result, Subject
 from halo_service.evaluation.report.goals import VIRTUAL
 from halo_service.evaluation.report.page import INTRODUCTION, RECORDED, page
-from halo_service.evaluation.report.summary import note, paragraphs, results_file
+from halo_service.evaluation.report.summary import heading, note, results_file, tables
 from halo_service.evaluation.report.table import as_text
 from halo_service.evaluation.study.judge import judge_recording
 from halo_service.evaluation.study.sense import FrameSequence
@@ -42,11 +42,11 @@ CASES = {
 def test_the_words_above_and_below_the_table_say_who_was_measured(
     results: Sequence[Result], head: str, ends: str | None
 ) -> None:
-    heading, table, *_ = paragraphs(results, "1.2.3", as_text)
-    assert head in heading
-    words = " ".join(table.split())
+    above = "\n".join(heading(results, "1.2.3"))
+    assert head in above
+    words = " ".join(as_text(tables(results)[0]).split())
     assert words.endswith(VIRTUAL if ends is None else f"of one recording, compared with {ends}")
-    assert ("virtual" in heading + words) is (ends is None)
+    assert ("virtual" in above + words) is (ends is None)
 
 
 @pytest.mark.parametrize(

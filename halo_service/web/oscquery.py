@@ -12,20 +12,22 @@ from enum import IntEnum
 from typing import Any
 
 import halo_protocol as wire
+from halo_protocol import fields
 from halo_protocol.table import ROWS, Row
 from halo_service.outputs.formats.flat import SLOTS, VALUES, FlatFormat
 from halo_service.outputs.outgoing import Outgoing, OutgoingFrame
 
-UNITS = {"_mm_s": "mm/s", "_per_s": "1/s", "_mm": "distance.mm", "_ms": "time.ms", "_g": "gram"}
-"""Units by the end of a field's name, the longest end first."""
-FLAT_RANGES: dict[str, dict[str, Any]] = {
-    "u": {"MIN": 0.0, "MAX": 1.0},
-    "v": {"MIN": 0.0, "MAX": 1.0},
-    "hover": {"MIN": -1.0},
-    "pressure": {"MIN": 0.0},
-    "touch": {"VALS": [0, 1]},
-}
-FLAT_UNITS = {"hover": "distance.mm", "vx": "mm/s", "vy": "mm/s", "strike": "mm/s"}
+UNITS = {
+    "mm": "distance.mm", "px": "distance.pixels", "s": "time.second", "ms": "time.ms",
+    "Hz": "time.hz", "g": "gram",
+}  # fmt: skip
+"""Our unit -> the proposal's name; others are written as they are."""
+TYPICAL = {name: {"MIN": 0.0, "MAX": 1.0} for name in ("u", "v")}
+"""Ranges for a slider; values may lie outside."""
+FEW = 8
+"""A range of so few whole numbers is written as a list of values."""
+MANY = ("/pointer", "/down", "/up")
+"""Messages that come once for each finger: they have no one current value."""
 ATTRIBUTES = ("ACCESS", "VALUE", "RANGE", "DESCRIPTION", "UNIT")
 """Optional attributes that are supported."""
 
@@ -70,15 +72,31 @@ class Node:
 
 
 def unit_of(name: str) -> str | None:
-    """Return the unit that the name of a field ends with."""
-    return next((unit for end, unit in UNITS.items() if name.endswith(end)), None)
+    """Return the unit of a field as the proposal writes it; None if it has none."""
+    unit = fields.unit_of(name)
+    return UNITS.get(unit, unit) or None
 
 
-def host_info(node: str, control_port: int) -> dict[str, Any]:
-    """Return what `?HOST_INFO` answers: where messages to the service go."""
+def range_of(name: str, tag: str) -> dict[str, Any] | None:
+    """Return the range of a field as the proposal writes it; None if it has no limit."""
+    if name in TYPICAL:
+        return TYPICAL[name]
+    first, last = fields.range_of(name)
+    if tag == "i" and first is not None and last is not None and last - first < FEW:
+        return {"VALS": list(range(int(first), int(last) + 1))}
+    limits = {"MIN": first, "MAX": last}
+    return {key: limit for key, limit in limits.items() if limit is not None} or None
+
+
+def host_info(node: str, control_host: str, control_port: int) -> dict[str, Any]:
+    """Return what `?HOST_INFO` answers: where messages to the service go.
+
+    `control_host`: the address of the control port; empty: that of this server.
+    """
     return {
         "NAME": f"halo {node}",
         "EXTENSIONS": dict.fromkeys(ATTRIBUTES, True),
+        **({"OSC_IP": control_host} if control_host else {}),
         "OSC_PORT": control_port,
         "OSC_TRANSPORT": "UDP",
     }
@@ -108,24 +126,32 @@ def find(root: dict[str, Any], path: str) -> dict[str, Any] | None:
 
 def stream_nodes(latest: Sequence[Outgoing]) -> Iterator[Node]:
     """Yield the addresses that the service sends. `latest`: the last frame and reports."""
-    reports = {
+    values = {
         address: arguments
         for each in latest
-        if not isinstance(each, OutgoingFrame)
         for address, arguments in wire.parse_osc(each.datagrams[0])
+        if not address.endswith(MANY)
     }
     for surface in sorted({each.surface for each in latest}):
         for row in ROWS:
             path = wire.address(surface, row.kind)
-            if not row.open_list:
-                yield _row_node(row, path, reports.get(path))
+            yield _row_node(row, path, values.get(path))
         frames = [e for e in latest if isinstance(e, OutgoingFrame) and e.surface == surface]
         yield from _flat_nodes(surface, frames)
 
 
 def _row_node(row: Row, path: str, value: tuple[wire.Argument, ...] | None) -> Node:
-    units = [unit_of(field.name) for field in row.fields for _ in range(field.length or 0)]
-    return Node(path, row.tags, Access.READ, f"Sent {row.when}.", value, (), tuple(units))
+    count = len(value or ())
+    fields_ = [each for each in row.fields for _ in range(each.length or count)]
+    return Node(
+        path,
+        "".join(each.tag for each in fields_),
+        Access.READ,
+        f"Sent {row.when}.",
+        value,
+        tuple(range_of(each.name, each.tag) for each in fields_),
+        tuple(unit_of(each.name) for each in fields_),
+    )
 
 
 def _flat_nodes(surface: str, frames: Sequence[OutgoingFrame]) -> Iterator[Node]:
@@ -137,7 +163,8 @@ def _flat_nodes(surface: str, frames: Sequence[OutgoingFrame]) -> Iterator[Node]
         for address, arguments in wire.parse_osc(datagram)
     }
     path = wire.address(surface, "count")
-    yield Node(path, "i", Access.READ, "Format flat: number of fingers.", values.get(path))
+    about = "Format flat: number of fingers."
+    yield Node(path, "i", Access.READ, about, values.get(path), (range_of("count", "i"),))
     for slot in range(SLOTS):
         for name, tag in VALUES:
             path = wire.address(surface, f"slot/{slot}/{name}")
@@ -147,6 +174,6 @@ def _flat_nodes(surface: str, frames: Sequence[OutgoingFrame]) -> Iterator[Node]
                 Access.READ,
                 f"Format flat: {name} of the finger in slot {slot}.",
                 values.get(path),
-                (FLAT_RANGES.get(name),),
-                (FLAT_UNITS.get(name) or unit_of(name),),
+                (range_of(name, tag),),
+                (unit_of(name),),
             )

@@ -50,15 +50,16 @@ class WebServer:
         session: str = "",
         control: Callable[[ControlMessage], None] = _no_control,
         control_port: int = 0,
+        control_host: str = "",
     ) -> None:
         """Listen. `control` gets what clients ask for, in the server's thread; `control_port` is
-        the UDP port for the same messages.
+        the UDP port for the same messages, on `control_host` if that is not this server's.
 
         Raises `UserError` for a host that is not an address of this machine.
         """
         self._node, self._session = node, session
         self._control = control
-        self._control_port = control_port
+        self._host_info = host_info(node, control_host, control_port)
         self.nodes: Callable[[], Iterable[Node]] = tuple
         """What clients can send, for OSCQuery; called in the server's thread."""
         self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
@@ -135,7 +136,7 @@ class WebServer:
             return refusal
         wanted = request.query_string
         if wanted == "HOST_INFO":
-            return web.json_response(host_info(self._node, self._control_port))
+            return web.json_response(self._host_info)
         root = tree([*self.nodes(), *stream_nodes(list(self._latest.values()))])
         found = find(root, request.path)
         if found is None:

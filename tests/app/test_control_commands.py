@@ -11,6 +11,7 @@ from threading import Event
 import pytest
 
 import halo_protocol as wire
+from halo_service.app.service.commands import SETTINGS
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
@@ -193,3 +194,11 @@ def test_other_hosts_are_not_heard(service: Service, caplog: pytest.LogCaptureFi
 def test_a_network_that_cannot_be_read_is_one_sentence() -> None:
     with pytest.raises(UserError, match="'home' is not a network"):
         Leases("desk", "s1", ["home"])
+
+
+def test_oscquery_lists_each_address_that_is_handled(service: Service) -> None:
+    service.handler.handle(service.state, None)
+    listed = {node.path for node in service.handler.nodes()}
+    assert set(service.handler._rows) - listed == {"/halo/1/sim/finger"}, "no virtual camera here"
+    settings = {path for path in listed if "/sensing/" in path}
+    assert {path.rpartition("/")[2] for path in settings} == set(SETTINGS)

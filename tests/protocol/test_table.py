@@ -1,17 +1,22 @@
 """The table, the classes and the specification agree."""
 
 import dataclasses
+import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from halo_protocol import ProtocolError, decode, encode, from_json, messages, to_json
+from halo_protocol.fields import range_of, unit_of
 from halo_protocol.jsonview import ENUMERATIONS
 from halo_protocol.table import ROWS, Row
 
-SPEC = (Path(__file__).parents[2] / "protocol" / "SPEC.md").read_text()
+PROTOCOL = Path(__file__).parents[2] / "protocol"
+SPEC = (PROTOCOL / "SPEC.md").read_text()
+VECTORS = PROTOCOL / "vectors"
 
 # Version 1.0. Later versions append to these rows and never change them.
 RELEASED = {
@@ -131,3 +136,38 @@ def test_every_must_has_its_reason() -> None:
     for number in musts:
         assert lines[number].startswith("- ")
         assert lines[number + 1].startswith("  > Why: "), f"no reason: {lines[number]}"
+
+
+def values(name: str) -> Iterator[tuple[str, float]]:
+    """(field, number) of each message in a file of vectors."""
+    for vector in json.loads((VECTORS / f"{name}.json").read_text())["vectors"]:
+        for part in vector.get("datagrams", [vector]):
+            for _, message in decode(bytes.fromhex(part["hex"])):
+                for field in dataclasses.fields(message):
+                    value = getattr(message, field.name)
+                    for each in value if isinstance(value, tuple) else (value,):
+                        if not isinstance(each, str):
+                            yield field.name, each
+
+
+def test_ranges_hold_for_all_vectors() -> None:
+    checked = set()
+    for name, value in (*values("frames"), *values("reports")):
+        first, last = range_of(name)
+        assert first is None or value >= first, name
+        assert last is None or value <= last, name
+        checked.add(name)
+    fields = {field.name for row in ROWS for field in row.fields if field.tag != "s"}
+    assert fields == checked, "each number of the table is in a vector"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("x_mm", "mm"), ("vx_mm_s", "mm/s"), ("time_s", "s"), ("time_frac_us", "us"),
+        ("session_ms", "ms"), ("force_g", "g"), ("rate_hz", "Hz"), ("width_px", "px"), ("u", ""),
+        ("contacts", ""), ("collision", ""), ("version", ""),
+    ],
+)  # fmt: skip
+def test_the_unit_is_in_the_name(name: str, unit: str) -> None:
+    assert unit_of(name) == unit

@@ -16,6 +16,9 @@ from typing import Any
 import pytest
 
 import halo_protocol as wire
+from halo_protocol.fields import unit_of
+from halo_protocol.table import ROWS
+from halo_service.app.service.commands import Status
 from halo_service.app.service.control_nodes import control_nodes
 from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.sensing import SensingSettings
@@ -30,7 +33,14 @@ SCENE = OutgoingReport("table", wire.Scene("desk", "s1", "1.0.0", 300.0, 200.0, 
 @pytest.fixture
 def server() -> Iterator[WebServer]:
     with closing(WebServer(WebSettings(), "desk", "s1", control_port=4257)) as server:
-        server.nodes = lambda: list(control_nodes(SensingSettings(), "desk"))
+        server.nodes = lambda: list(
+            control_nodes(
+                SensingSettings(),
+                "desk",
+                Status("desk", "s1", "1.0.0", "desk", "", 0),
+                virtual=True,
+            )
+        )
         server.send(SCENE)
         server.send(frame(1, (replace(TOUCHING, slot=0),)))
         yield server
@@ -78,6 +88,22 @@ EXPECTED: list[tuple[str, dict[str, Any]]] = [
     ("/halo/1/table/slot/9/hover", {"TYPE": "f", "ACCESS": 1, "VALUE": [-1.0]}),
     ("/halo/1/table/count", {"TYPE": "i", "ACCESS": 1, "VALUE": [1]}),
     ("/halo/1/table/scene", {"TYPE": "sssffiiifii", "ACCESS": 1}),
+    ("/halo/1/table/frame", {"TYPE": "ssiiiii", "ACCESS": 1}),
+    ("/halo/1/table/alive", {"TYPE": "i", "VALUE": [7], "RANGE": [{"MIN": 0, "MAX": 2**31 - 1}]}),
+    ("/halo/1/table/pointer", {"TYPE": "iiiiifffffffffif", "ACCESS": 1, "VALUE": None}),
+    ("/halo/1/control/hello", {"TYPE": "ssis", "ACCESS": 2}),
+    ("/halo/1/control/welcome", {"TYPE": "ssssssi", "ACCESS": 1}),
+    ("/halo/1/control/lease", {"TYPE": "s", "ACCESS": 2}),
+    ("/halo/1/control/expired", {"TYPE": "s", "ACCESS": 1}),
+    ("/halo/1/control/goodbye", {"TYPE": "s", "ACCESS": 2}),
+    (
+        "/halo/1/control/status",
+        {"TYPE": "sssssi", "ACCESS": 3, "VALUE": ["desk", "s1", "1.0.0", "desk", "", 0]},
+    ),
+    (
+        "/halo/1/sim/finger",
+        {"TYPE": "iiffff", "ACCESS": 2, "UNIT": [None, None, *["distance.mm"] * 3, "gram"]},
+    ),
 ]  # fmt: skip
 
 
@@ -97,6 +123,32 @@ def test_the_tree_leads_to_every_node(server: WebServer) -> None:
         node = node["CONTENTS"][part]
     assert node["VALUE"][:5] == ["desk", "s1", "1.0.0", 300.0, 200.0]
     assert node["UNIT"][3:5] == ["distance.mm", "distance.mm"]
+
+
+def leaves(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    if "CONTENTS" not in node:
+        yield node
+    for each in node.get("CONTENTS", {}).values():
+        yield from leaves(each)
+
+
+def test_each_node_is_complete(server: WebServer) -> None:
+    found = {node["FULL_PATH"]: node for node in leaves(get(server, "/"))}
+    for path, node in found.items():
+        assert node.keys() >= {"TYPE", "ACCESS", "DESCRIPTION"}, path
+        count = 0 if node["TYPE"] == "N" else len(node["TYPE"])
+        for name in {"VALUE", "RANGE", "UNIT"} & node.keys():
+            assert len(node[name]) == count, (path, name)
+    for row in ROWS:
+        for field in row.fields:
+            node = found[f"/halo/1/table/{row.kind}"]
+            assert "RANGE" in node, row.kind
+            assert not unit_of(field.name) or "UNIT" in node, row.kind
+
+
+def test_a_control_port_elsewhere_is_named() -> None:
+    with closing(WebServer(WebSettings(), "desk", "s1", control_host="127.0.0.9")) as server:
+        assert get(server, "/?HOST_INFO")["OSC_IP"] == "127.0.0.9"
 
 
 def test_one_attribute_can_be_asked_for(server: WebServer) -> None:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import NamedTuple
 
 from pydantic import ValidationError
 
@@ -66,10 +67,22 @@ def with_setting(
         raise UserError("; ".join(sentences(error, Settings))) from error
 
 
-def status(node: str, session: str, profile: str, error: str, *, paused: bool) -> bytes:
-    """Return the answer to a request for the status."""
-    words = (node, session, wire.VERSION, _ascii(profile, 48), _ascii(error, 80))
-    return Template(STATUS, "i", *words).pack(int(paused))[4:]
+class Status(NamedTuple):
+    """The arguments of the answer to a request for the status."""
+
+    node: str
+    session: str
+    version: str
+    profile: str
+    error: str
+    """Why the last command failed; empty: it did not."""
+    paused: int
+
+    def packed(self) -> bytes:
+        """Return the answer, short enough for its question."""
+        short = (_ascii(self.profile, 48), _ascii(self.error, 80))
+        words = (self.node, self.session, self.version, *short)
+        return Template(STATUS, "i", *words).pack(self.paused)[4:]
 
 
 def _ascii(text: str, longest: int) -> str:

@@ -12,13 +12,14 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+import halo_protocol as wire
 from halo_protocol.handshake import CONTROL, GOODBYE, HELLO, LEASE
 from halo_service.app.service.commands import (
     LEAST_STATUS,
     STATUS,
+    Status,
     is_press,
     profile_folder,
-    status,
     with_setting,
 )
 from halo_service.app.service.control_nodes import control_nodes
@@ -59,6 +60,7 @@ class ControlHandler:
         self._reloader = reloader
         self._paused = paused
         self._settings = SensingSettings()
+        self._virtual = False
         self._error = ""
         """Why the last command failed; empty: it did not."""
         self._warned: set[str] = set()
@@ -89,12 +91,15 @@ class ControlHandler:
         self._leases.expire(time.monotonic())
         self._osc.set_leased(self._leases.destinations)
         self._settings = state.settings
+        self._virtual = source is not None and source.kind == "virtual"
         return self._reloader.refresh(state)
 
     def nodes(self) -> list[Node]:
         """Return what clients can send, for OSCQuery; from any thread."""
-        profile = self._reloader.profile
-        return list(control_nodes(self._settings, profile.name if profile else ""))
+        nodes = control_nodes(
+            self._settings, self._profile_name(), self._status(), virtual=self._virtual
+        )
+        return list(nodes)
 
     def _row(self, address: str) -> Row:
         if address.startswith(SENSING):
@@ -148,17 +153,22 @@ class ControlHandler:
             raise UserError(f"fill it up with text to {LEAST_STATUS} bytes, for its answer is long")
         if not is_press(message.arguments):
             return state
-        profile = self._reloader.profile
-        message.answer(
-            status(
-                self._leases.node,
-                self._leases.session,
-                profile.name if profile else "",
-                self._error or self._reloader.error,
-                paused=self._paused.is_set(),
-            )
-        )
+        message.answer(self._status().packed())
         return state
+
+    def _status(self) -> Status:
+        return Status(
+            self._leases.node,
+            self._leases.session,
+            wire.VERSION,
+            self._profile_name(),
+            self._error or self._reloader.error,
+            int(self._paused.is_set()),
+        )
+
+    def _profile_name(self) -> str:
+        profile = self._reloader.profile
+        return profile.name if profile else ""
 
     def _warn(self, message: ControlMessage, why: str) -> None:
         text = f"control: skipped {message.address[:80]}: {why}"

@@ -153,7 +153,15 @@ def _web(
         return None
     from halo_service.web.server import WebServer
 
-    server = WebServer(settings.web, names.node, names.session, control.put, control.port)
+    elsewhere = settings.control.host not in (settings.web.host, "0.0.0.0", "::")
+    server = WebServer(
+        settings.web,
+        names.node,
+        names.session,
+        control.put,
+        control.port,
+        settings.control.host if elsewhere else "",
+    )
     stack.callback(server.close)
     return server
 

@@ -21,6 +21,7 @@ const WORDS = {
   source: ["camera", "recording", "virtual"],
   tracker: ["off", "starting", "searching", "tracking", "failed"],
   camera: ["starting", "running", "lost", "ended"],
+  profile_fit: ["unknown", "good", "moved", "tilted", "hidden", "marker"],
 };
 
 // Kind -> its fields, `name:type`. Later minor versions append.
@@ -40,7 +41,7 @@ const ROWS = Object.fromEntries(
       "node:s session:s revision:i camera_from_surface:f12 anchor_from_surface:f12 anchored:i",
     health:
       "node:s session:s fps:f latency_ms:f drops:i bad_frames:i tracker:i camera:i tracker_ms:f " +
-      "clock_jumps:i clock_error_ms:f",
+      "clock_jumps:i clock_error_ms:f profile_fit:i",
   }).map(([kind, text]) => [kind, text.split(" ").map(field)]),
 );
 

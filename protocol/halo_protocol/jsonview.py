@@ -18,6 +18,7 @@ from halo_protocol.messages import (
     Finger,
     Hand,
     Message,
+    ProfileFit,
     Source,
     State,
     Tracker,
@@ -32,6 +33,7 @@ ENUMERATIONS: dict[str, type[IntEnum]] = {
     "source": Source,
     "tracker": Tracker,
     "camera": Camera,
+    "profile_fit": ProfileFit,
 }
 """Field name -> its enumeration; a name means the same in every message."""
 

@@ -76,6 +76,22 @@ class Camera(IntEnum):
     """A recording reached its end."""
 
 
+class ProfileFit(IntEnum):
+    """Whether the calibration still fits what the camera shows."""
+
+    UNKNOWN = 0
+    """No profile, or not checked yet."""
+    GOOD = 1
+    MOVED = 2
+    """The surface is nearer or farther than when it was calibrated."""
+    TILTED = 3
+    """Camera or table is tilted."""
+    HIDDEN = 4
+    """Most of the calibrated background is not there: covered, or another place."""
+    MARKER = 5
+    """The printed marker is at another place."""
+
+
 @dataclass(frozen=True, slots=True)
 class Frame:
     """The header of a frame."""
@@ -280,6 +296,8 @@ class Health:
     """How often the host's clock was set (by more than 0.1 s), in this session."""
     clock_error_ms: float = 0.0
     """Host's Unix time minus the time in frames, which approaches it by 0.5 ms per second."""
+    profile_fit: int = 0
+    """A `ProfileFit`."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

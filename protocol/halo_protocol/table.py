@@ -41,7 +41,8 @@ POSE = (
 )
 HEALTH = (
     "node:s session:s fps:f latency_ms:f drops:i bad_frames:i "
-    "tracker:i camera:i tracker_ms:f clock_jumps:i clock_error_ms:f"  # append; never reorder
+    "tracker:i camera:i tracker_ms:f clock_jumps:i clock_error_ms:f "
+    "profile_fit:i"  # append; never reorder
 )
 
 

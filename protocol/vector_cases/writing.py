@@ -134,6 +134,11 @@ REPORTS = [
         Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 1, -29_984.5),
     ),
     ReportCase(
+        "health-camera-tilted",
+        "The camera was tilted after the calibration.",
+        Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 0, 0.0, 3),
+    ),
+    ReportCase(
         "health-camera-lost",
         "The camera is unplugged; latencies are unknown.",
         Health("desk", "s1", 0.0, -1.0, 2, 40, 0, 2, -1.0),

@@ -42,7 +42,7 @@ def choose_base(wanted: str, camera_serial: str) -> Base | None:
         return None
     if wanted != "auto":
         base = read_base(from_home(wanted))
-        if base.camera_serial != camera_serial:
+        if not is_device(camera_serial, base.camera_serial):
             log.warning(
                 "base: '%s' was made on camera %s, this is %s: its correction may be wrong here",
                 base.name, base.camera_serial, camera_serial,
@@ -53,9 +53,14 @@ def choose_base(wanted: str, camera_serial: str) -> Base | None:
         return read_base(own)
     if VIRTUAL.is_file():
         virtual = read_base(VIRTUAL)
-        if virtual.camera_serial == camera_serial:
+        if is_device(camera_serial, virtual.camera_serial):
             return virtual
     return None
+
+
+def is_device(camera_serial: str, device: str) -> bool:
+    """Say whether a serial is a device's: a virtual camera appends its room to it."""
+    return camera_serial == device or camera_serial.startswith(f"{device}-")
 
 
 def read_base(path: Path) -> Base:

@@ -15,6 +15,7 @@ from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera, Lens, Points
 
 SERIAL = "VIRTUAL-0001"
+"""Of the device; `Room.camera` appends the room."""
 DEPTH_MODE = "NFOV_UNBINNED"
 FPS = 30
 NARROW_FX = 504.2

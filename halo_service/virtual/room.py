@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from halo_service.errors import UserError
-from halo_service.geometry.camera import Points
+from halo_service.geometry.camera import Camera, Points
 from halo_service.geometry.surface import Surface
 from halo_service.values import Side
-from halo_service.virtual.camera import DEPTH_MODE, DEVICES, MODES
+from halo_service.virtual.camera import DEPTH_MODE, DEVICES, MODES, factory
 from halo_service.virtual.halo import FAMILIES, HaloCurve
 from halo_service.virtual.materials import MATERIALS, STUDIED, Material
 from halo_service.virtual.projector import Projector
@@ -84,6 +84,11 @@ class Room:
     def surface_material(self) -> Material:
         """What the table is made of."""
         return MATERIALS[self.material]
+
+    def camera(self) -> Camera:
+        """The device, with a serial number of its own: a profile of one room fits no other."""
+        device = factory(self.device, self.mode)
+        return dataclasses.replace(device, serial=f"{device.serial}-{self.seed}-{self.material}")
 
     def surface(self) -> Surface:
         """The default surface, from the camera's view: 300 x 200 mm around the optical axis."""

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from halo_service.values import Frame
 from halo_service.virtual import bodies as shapes
 from halo_service.virtual.bodies import Body
-from halo_service.virtual.camera import factory
 from halo_service.virtual.colour_image import Bgr, ColourImager
 from halo_service.virtual.dents import halo_parts
 from halo_service.virtual.depth_image import DepthImager, Ideal
@@ -45,7 +44,7 @@ class Sensor:
     def __init__(self, room: Room, *, colour_times: int = 1, started_us: int = 0) -> None:
         self.room = room
         self._user = _as_read(room)
-        self.camera = factory(room.device, room.mode)
+        self.camera = room.camera()
         self.surface = room.surface()
         self._started_us = started_us
         self._imager = DepthImager(room, self.camera, self.surface)

@@ -18,7 +18,6 @@ from halo_service.profile.store import save
 from halo_service.sensing.pointers import describe
 from halo_service.settings import Settings
 from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchFrame
-from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.sim_url import parse_sim_url
 from tests.kind_sensor import KIND_URL
@@ -34,7 +33,9 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("session")
     request = parse_sim_url(f"sim:demo?seed=3&mode={MODE}&{KIND_URL}")
     truth = []
-    with Recorder(folder / "recording.mkv", factory(mode=MODE), fps=30, colour=True) as recorder:
+    with Recorder(
+        folder / "recording.mkv", request.room.camera(), fps=30, colour=True
+    ) as recorder:
         for frame, lines in frames(request, SECONDS):
             if frame is not None:
                 recorder.write(frame)

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from halo_calibration.base_model import is_device
 from halo_calibration.boards.sheets import CROSSES_MM, cross_name
 from halo_calibration.steps.session import Session
 from halo_service.app.files import written
@@ -92,7 +93,7 @@ def run_session(settings: Settings, folder: Path, colour: bool = True) -> tuple[
         ) from error
     recording, script = folder / RECORDING, folder / SCRIPT
     with ExitStack() as stack:
-        source, _ = open_source(settings.source)
+        source, _ = open_source(settings.source, profile.camera.serial)
         stack.callback(source.close)
         require_fit(profile, source.camera)
         file = stack.enter_context(written(str(script)))
@@ -146,7 +147,7 @@ def require_crosses(profile: Profile) -> None:
     # Only a surface found on the sheet has an error. The virtual table needs no sheet: its targets
     # are around the middle of the view.
     found = step is not None and "error_mm" in step.figures
-    if not found and profile.camera.serial != SERIAL:
+    if not found and not is_device(profile.camera.serial, SERIAL):
         raise UserError(
             f"the surface of the profile '{profile.name}' is the middle of the camera's view, so "
             f"the positions of the crosses are unknown: put the surface sheet there, and {again}"

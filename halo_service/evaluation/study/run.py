@@ -32,9 +32,8 @@ from halo_service.evaluation.study.judge import judge
 from halo_service.evaluation.study.plan import CALIBRATION, Plan, Task, User
 from halo_service.evaluation.study.recording import load, restored
 from halo_service.evaluation.study.sense import CachedHands, sense_all
-from halo_service.geometry.camera import Camera
 from halo_service.sensing import SensingSettings
-from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -157,12 +156,8 @@ def _calibrate(request: StudyRequest, user: User) -> CalibratedUser:
         request.cache.ensure(user, CALIBRATION)
     except CalibrationError as refused:  # the empty table itself cannot be used
         return CalibratedUser(None, {}, dict.fromkeys(request.methods, str(refused)))
-    camera = _camera(parse_sim_url(user.source(CALIBRATION)).room)
+    camera = parse_sim_url(user.source(CALIBRATION)).room.camera()
     return calibrate(request.cache.calibration(user), camera, methods, request.settings)
-
-
-def _camera(room: Room) -> Camera:
-    return factory(room.device, room.mode)
 
 
 def _subject(user: User, room: Room) -> Subject:
@@ -195,7 +190,7 @@ def _perform(
         )
         published = sense_all(
             frames,
-            _camera(room),
+            room.camera(),
             CachedHands(recording),
             methods,
             calibrated.profiles,

@@ -18,8 +18,10 @@ from halo_protocol import (
     Event,
     Finger,
     Hand,
+    Health,
     Lost,
     Pointer,
+    ProfileFit,
     Scene,
     Source,
     State,
@@ -40,6 +42,16 @@ LOUD = {
     Source.RECORDING: "!! RECORDING: what you see happened earlier !!",
 }
 """Warnings if the source is not a camera."""
+
+MISFITS = {
+    ProfileFit.MOVED: "the surface was moved since the calibration",
+    ProfileFit.TILTED: "camera or table was tilted since the calibration",
+    ProfileFit.HIDDEN: "the surface is covered, or this is another place",
+    ProfileFit.MARKER: "the printed marker is not at its place",
+}
+"""Why the profile does not fit."""
+SLOW = 0.9
+"""A service that senses a smaller share of the camera's frames loses touches."""
 
 # 80 columns, so that it fits the smallest terminal.
 HEADINGS = "   id slot hand    finger state    x mm    y mm  hov mm  press  grams  conf hits"
@@ -72,9 +84,10 @@ class View:
     def lines(self, url: str, known: KnownServices, losses: Losses, now_s: float) -> list[str]:
         """Return the picture as lines."""
         head = f"halo monitor · {url} · protocol {VERSION}"
+        drops = sum(health.drops for health in known.healths.values())
         lost = (
-            f"lost {losses.missed} frames, {losses.incomplete} in part · "
-            f"late or twice {losses.dropped} · bad datagrams {losses.bad}"
+            f"lost frames: {drops} in the service, {losses.missed} on the way, "
+            f"{losses.incomplete} in part · late or twice {losses.dropped} · bad {losses.bad}"
         )
         lines = [head, lost]
         for stream in self._streams.values():
@@ -118,6 +131,7 @@ def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[s
         lines += [
             f"  service {health.fps:.1f} fps, {_ms(health.latency_ms)} a frame · "
             f"drops {health.drops}, bad frames {health.bad_frames}",
+            *_warnings(health, known.scenes.get(where)),
             f"  camera {_word(Camera, health.camera)} · "
             f"hand tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old",
         ]
@@ -125,6 +139,18 @@ def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[s
     if not frame.pointers:
         lines.append("    - no finger near the surface")
     return [*lines, f"  touches: {' · '.join(reversed(stream.events)) or '-'}"]
+
+
+def _warnings(health: Health, scene: Scene | None) -> list[str]:
+    """Return what is wrong although frames come."""
+    lines = []
+    rate_hz = scene.rate_hz if scene and health.camera == Camera.RUNNING else 0.0
+    if 0.0 < health.fps < SLOW * rate_hz:
+        lines.append(f"  !! SLOW: the service senses {health.fps:.0f} of {rate_hz:.0f} Hz !!")
+    if health.profile_fit in MISFITS:
+        reason = MISFITS[ProfileFit(health.profile_fit)]
+        lines.append(f"  !! PROFILE DOES NOT FIT: {reason} !!")
+    return lines
 
 
 def _scene_lines(known: KnownServices) -> list[str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 import halo_protocol as wire
+from halo_service.app.service.fit_watcher import Fit
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
@@ -44,9 +46,11 @@ class Publisher:
         surface: str,
         control_port: int = 0,
         names: NameWatch | None = None,
+        fit: Callable[[], Fit] = lambda: "unknown",
     ) -> None:
         """`surface`: its name, in every address; `kind`: where the frames come from;
-        `control_port`: 0 if there is none; `names`: notices other services of the same name."""
+        `control_port`: 0 if there is none; `names`: notices other services of the same name;
+        `fit`: whether the profile fits."""
         self._frames = frames
         self._carriers = carriers
         self._kind = kind
@@ -54,6 +58,7 @@ class Publisher:
         self._surface = surface
         self._control_port = control_port
         self._names = names
+        self._fit = fit
         self._errors = ErrorLog()
 
     def frame(self, frame: TouchFrame) -> None:
@@ -103,6 +108,7 @@ class Publisher:
             current.tracker_ms,
             CLOCK.jumps,
             CLOCK.error_ms,
+            wire.ProfileFit[self._fit().upper()],
         )
         self._send(OutgoingReport(self._surface, health))
 

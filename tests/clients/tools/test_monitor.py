@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from halo_client import KnownServices, Losses
-from halo_protocol import Down, Pointer, Report, Scene, TouchFrame
+from halo_protocol import Down, Health, Pointer, Report, Scene, TouchFrame
 from halo_tools.monitor import main
 from halo_tools.monitor_view import HEADINGS, View
 
@@ -19,12 +19,19 @@ MONITOR = [sys.executable, "-m", "halo_tools.monitor"]
 POINTER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.62, 0.0, 0.0, 0.9, 3, 128.0)
 
 
-def picture(*frames: TouchFrame, scene: Scene | None = None, unix_us: int = 1_000_000) -> str:
+def picture(
+    *frames: TouchFrame,
+    scene: Scene | None = None,
+    health: Health | None = None,
+    unix_us: int = 1_000_000,
+) -> str:
     view, known = View(), KnownServices()
     for number, frame in enumerate(frames):
         view.update(frame, 1.0 + number / 10, unix_us)
     if scene is not None:
         known.update(Report("table", scene))
+    if health is not None:
+        known.update(Report("table", health))
     return "\n".join(view.lines("osc://here", known, Losses(missed=4, bad=2), 1.5))
 
 
@@ -48,8 +55,8 @@ def test_the_picture_shows_rate_latency_losses_and_touches() -> None:
     text = picture(frame(), frame(missed=4), frame([POINTER], downs=(hit,)))
     assert "3 a second" in text
     assert "latency 12.0 ms" in text
-    assert "lost 4 frames" in text
-    assert "bad datagrams 2" in text
+    assert "lost frames: 0 in the service, 4 on the way" in text
+    assert "bad 2" in text
     assert "down 7#3 (180 mm/s)" in text
 
 
@@ -61,6 +68,24 @@ def test_the_picture_says_loudly_what_is_behind_it(source: int, says: str) -> No
     text = picture(frame(), scene=scene(source))
     assert says in text
     assert ("!!" in text) == (source in (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("fps", "fit", "says"),
+    [
+        (29.5, 1, ""),
+        (29.5, 0, ""),
+        (12.0, 1, "!! SLOW: the service senses 12 of 30 Hz !!"),
+        (29.5, 3, "!! PROFILE DOES NOT FIT: camera or table was tilted since the calibration !!"),
+        (29.5, 9, ""),
+    ],
+)
+def test_the_picture_says_loudly_what_is_wrong(fps: float, fit: int, says: str) -> None:
+    health = Health("desk", "s1", fps, 3.5, 640, 0, 3, 1, 33.0, profile_fit=fit)
+    text = picture(frame(), scene=scene(0), health=health)
+    assert says in text
+    assert ("!!" in text) == bool(says)
+    assert "lost frames: 640 in the service" in text
 
 
 def test_a_recordings_time_has_no_latency() -> None:

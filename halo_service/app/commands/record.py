@@ -19,14 +19,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser)
     parser.add_argument("--seconds", type=float, metavar="S", help="length (default: until Ctrl-C)")
     parser.add_argument("--no-colour", action="store_true", help="record no colour, for privacy")
+    parser.add_argument("--force", action="store_true", help="replace a file of that name")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Record until the source ends, the time is over, or Ctrl-C."""
+    """Record until the source ends, the time is over, or Ctrl-C.
+
+    Exit code 1: the file is complete, but frames were lost.
+    """
     from halo_service.app.recordings.record import record
 
     source = settings_from(options).source
-    count = record(options.out, source, options.seconds, not options.no_colour)
-    print(f"halo: {count} frames in {options.out}", file=sys.stderr)
+    done = record(options.out, source, options.seconds, not options.no_colour, options.force)
+    size_mb = options.out.stat().st_size / 1e6
+    print(f"halo: {done.frames} frames in {options.out}, {size_mb:.0f} MB", file=sys.stderr)
+    if done.ended:
+        print(f"halo: it ended early: {done.ended}", file=sys.stderr)
+    if done.lost + done.bad:
+        count = done.frames + done.lost + done.bad
+        print(
+            f"halo: {done.lost} of {count} frames were lost and {done.bad} were bad"
+            + ("" if done.complete else "; close other programs, or use a faster machine"),
+            file=sys.stderr,
+        )
     print(f"next: halo serve --source recording:{options.out} --profile desk", file=sys.stderr)
-    return 0
+    return 0 if done.complete else 1

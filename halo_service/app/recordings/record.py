@@ -1,34 +1,78 @@
-"""Record any source into a file."""
+"""Record any source into a file: every frame, or a word about those that were lost."""
 
 from __future__ import annotations
 
 import logging
 import signal
 import threading
-from collections.abc import Iterator
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
+from typing import Protocol
 
 from halo_service.app.progress import progress
 from halo_service.app.sources import open_source
+from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
+from halo_service.runtime.checks import check_capture
 from halo_service.settings import SourceSettings
-from halo_service.sources import EndOfSource, Source
+from halo_service.sources import EndOfSource, Source, SourceLost
 from halo_service.values import BadFrame, Frame
 
 log = logging.getLogger(__name__)
 
 READ_S = 0.25
 """Longest wait for a frame, so that Ctrl-C works soon."""
+SILENCE_S = 60.0
+"""A camera without a frame for so long gives no more."""
+WAITING = 60
+"""Frames that wait to be written, up to 4 MB each: encoding must not delay reading, for a camera
+drops what is not read in time."""
+TOLERATED = 0.05
+"""Share of frames that may be lost; a good USB port loses less than 1 %."""
 
 
-def record(out: Path, settings: SourceSettings, seconds: float | None, colour: bool) -> int:
-    """Record a source until it ends, `seconds` are over or Ctrl-C; return the number of frames.
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What is in the file, and what is not."""
 
-    Raises `UserError` if the source or the file fails; then no file is left.
+    frames: int = 0
+    lost: int = 0
+    """Frames that the camera took and that never came."""
+    bad: int = 0
+    """Captures without depth or infrared."""
+    ended: str = ""
+    """Why it ended early; empty: as planned."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is worth calling a recording."""
+        missing = self.lost + self.bad
+        return not self.ended and missing <= TOLERATED * (self.frames + missing)
+
+
+class Writer(Protocol):
+    """What writes the frames."""
+
+    def write(self, frame: Frame) -> bool:
+        """Append a frame; False: it was not written."""
+
+
+def record(
+    out: Path, settings: SourceSettings, seconds: float | None, colour: bool, force: bool = False
+) -> Recorded:
+    """Record a source until it ends, `seconds` are over or Ctrl-C.
+
+    Raises `UserError` if there is such a file and not `force`, or if source or file fails before
+    the first frame; then no file is left. What was recorded until a camera is lost is stored.
     """
+    if out.is_file() and not force:
+        raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
     # A recording is copied as fast as possible, with every frame.
     source, _ = open_source(replace(settings, fast=settings.name.startswith("recording:")))
     stopped = threading.Event()
@@ -44,26 +88,56 @@ def record(out: Path, settings: SourceSettings, seconds: float | None, colour: b
             Recorder(out, source.camera, fps=source.camera.fps, colour=colour)
         )
         bar = stack.enter_context(progress(f"recording {out.name}"))
-        count, first_us = 0, None
-        for frame in _captures(source, stopped):
-            first_us = frame.time_us if first_us is None else first_us
-            if seconds is not None and frame.time_us - first_us >= 1e6 * seconds:
-                break
-            # A player would show Unix time as a length of decades, so a live recording begins at 0.
-            start_us = 0 if source.kind == "recording" else first_us
-            count += recorder.write(replace(frame, time_us=frame.time_us - start_us))
-            bar.advance()
-    return count
+        return copy_frames(source, recorder, seconds, stopped, bar.advance)
 
 
-def _captures(source: Source, stopped: threading.Event) -> Iterator[Frame]:
-    """Yield good frames until the source ends or the user stops."""
+def copy_frames(
+    source: Source,
+    writer: Writer,
+    seconds: float | None,
+    stopped: threading.Event,
+    advance: Callable[[], None] = lambda: None,
+) -> Recorded:
+    """Read and write in two threads; return what came."""
+    frames, lost, bad, ended = 0, 0, 0, ""
+    first_us = last_us = None
+    live = source.kind != "recording"
+    with ThreadPoolExecutor(1, "recorder") as thread:
+        written: deque[Future[bool]] = deque()
+        try:
+            for capture in _captures(source, stopped):
+                first_us = capture.time_us if first_us is None else first_us
+                if seconds is not None and capture.time_us - first_us >= 1e6 * seconds:
+                    break
+                lost += check_capture(capture, last_us, source.camera.fps).missed if live else 0
+                last_us = capture.time_us
+                if isinstance(capture, BadFrame):
+                    bad += 1
+                    continue
+                # A player would show Unix time as decades, so a live recording begins at 0.
+                frame = replace(capture, time_us=capture.time_us - first_us) if live else capture
+                written.append(thread.submit(writer.write, frame))
+                if len(written) > WAITING:
+                    frames += written.popleft().result()
+                advance()
+        except SourceLost as error:
+            if first_us is None:
+                raise
+            ended = str(error)
+        frames += sum(each.result() for each in written)
+    return Recorded(frames, lost, bad, ended)
+
+
+def _captures(source: Source, stopped: threading.Event) -> Iterator[Frame | BadFrame]:
+    """Yield captures until the source ends or the user stops. Raises `SourceLost`."""
+    received_s = time.monotonic()
     while not stopped.is_set():
         try:
             capture = source.read(READ_S)
         except EndOfSource:
             return
-        if isinstance(capture, BadFrame):
-            log.warning("bad frame, not recorded: %s", capture.reason)
-        elif capture is not None:
+        if capture is not None:
+            received_s = time.monotonic()
             yield capture
+        elif time.monotonic() - received_s > SILENCE_S:
+            raise SourceLost(f"camera: no frame for {SILENCE_S:.0f} s; check its cable")

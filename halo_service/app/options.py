@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from halo_service.settings import Settings
 
-SOURCES = "azure-kinect, recording:FILE, sim[:SCENARIO] or auto (default)"
+SOURCES = "azure-kinect[:SERIAL], recording:FILE, sim[:SCENARIO] or auto (default)"
 
 
 def add_debug(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +46,22 @@ def add_screen(parser: argparse.ArgumentParser) -> None:
         "--display", type=int, default=0, metavar="N", help="number of the projector's display"
     )
     parser.add_argument("--window", action="store_true", help="use a window, not a whole display")
+
+
+def seconds(text: str) -> float:
+    """Read a length of time, 0 or more, for argparse."""
+    value = float(text)
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be 0 or more seconds, not {text}")
+    return value
+
+
+def found_at(config: Path | None) -> str:
+    """Return which settings file is read, for the log."""
+    from halo_service.settings import settings_path
+
+    path = settings_path(config)
+    return str(path.resolve()) if path else f"defaults (no halo.toml in {Path.cwd()})"
 
 
 def settings_from(options: argparse.Namespace) -> Settings:

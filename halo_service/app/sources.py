@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
+from math import ceil
 
 from halo_service.errors import UserError, suggestion
 from halo_service.files import from_home
@@ -12,21 +14,43 @@ from halo_service.sources import Source
 
 log = logging.getLogger(__name__)
 
-KNOWN = ("azure-kinect", "recording:FILE", "sim[:SCENARIO]", "auto")
+KNOWN = ("azure-kinect", "azure-kinect:SERIAL", "recording:FILE", "sim[:SCENARIO]", "auto")
 
 
-def open_source(settings: SourceSettings) -> tuple[Source, Callable[[], Source]]:
+def open_source(
+    settings: SourceSettings, serial: str = "", sleep: Callable[[float], None] = time.sleep
+) -> tuple[Source, Callable[[], Source]]:
     """Open a source; return it, and a function that opens the same one again if it is lost.
 
     `auto` decides once and logs it: if a camera is unplugged later, the service waits for it and
-    never replaces it by a virtual one. Raises `UserError` if the source is unknown or missing.
+    never replaces it by a virtual one. `serial`: of the camera that a profile belongs to; it is
+    opened unless the source names another. Raises `UserError` if the source is unknown or missing.
     """
-    name = decide() if settings.name == "auto" else settings.name
+    name = settings.name
+    if name.partition(":")[0] in ("auto", "azure-kinect") and settings.wait_s > 0.0:
+        _wait_for_camera(settings.wait_s, sleep)
+    if name == "auto":
+        name = decide()
     kind, _, rest = name.partition(":")
     if kind != "recording" and (settings.loop or settings.fast):
         raise UserError("--loop and --fast work only with --source recording:FILE")
-    opener = _opener(kind, rest, name, settings)
-    return opener(), opener
+    opener = _opener(kind, rest, name, settings, serial)
+    source = opener()
+    if source.kind == "camera" and not serial:  # with two cameras, the first may be another later
+        return source, _opener(kind, source.camera.serial, name, settings, serial)
+    return source, opener
+
+
+def _wait_for_camera(seconds: float, sleep: Callable[[float], None]) -> None:
+    """Wait until a camera is connected, at most so long."""
+    from halo_service.sources.azure_kinect import connected
+
+    for second in range(ceil(seconds)):
+        if connected():
+            return
+        if second == 0:
+            log.warning("source: waiting for an Azure Kinect, at most %.0f s", seconds)
+        sleep(1.0)
 
 
 def decide() -> str:
@@ -44,11 +68,13 @@ def decide() -> str:
     return "sim"
 
 
-def _opener(kind: str, rest: str, name: str, settings: SourceSettings) -> Callable[[], Source]:
-    if kind == "azure-kinect" and not rest:
+def _opener(
+    kind: str, rest: str, name: str, settings: SourceSettings, serial: str
+) -> Callable[[], Source]:
+    if kind == "azure-kinect":
         from halo_service.sources.azure_kinect import AzureKinect
 
-        return AzureKinect
+        return lambda: AzureKinect(rest or serial)
     if kind == "recording" and rest:
         from halo_service.sources.recording import Recording
 

@@ -61,6 +61,38 @@ class HealthCounter:
         )
 
 
+SLOW, WELL = 0.85, 0.95
+"""Shares of the camera's frames: below the first a service is slow, above the second it is not."""
+SLOW_IN_A_ROW = 3
+"""Reports that must agree."""
+
+
+class SlowWatch:
+    """Notices that a service senses fewer frames than its camera takes."""
+
+    def __init__(self) -> None:
+        self._slow = False
+        self._count = 0
+
+    def see(self, fps: float, camera_fps: float) -> str:
+        """Return the sentence to log when this begins or ends, else an empty text.
+
+        `fps`: of the last second, 0 where no frame is sensed at all: other warnings say why.
+        """
+        share = fps / camera_fps if camera_fps > 0.0 else 1.0
+        differs = share > WELL if self._slow else 0.0 < share < SLOW
+        self._count = self._count + 1 if differs else 0
+        if self._count < SLOW_IN_A_ROW:
+            return ""
+        self._slow, self._count = not self._slow, 0
+        if not self._slow:
+            return f"speed: {fps:.0f} frames a second again"
+        return (
+            f"speed: only {fps:.0f} of {camera_fps:.0f} frames a second are sensed, so touches are "
+            "late or lost; close other programs, or use a faster machine"
+        )
+
+
 class _Sent(NamedTuple):
     time_s: float
     latency_ms: float

@@ -17,7 +17,7 @@ from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 from halo_service.runtime.checks import check_capture
 from halo_service.runtime.error_log import ErrorLog
-from halo_service.runtime.health import Health, HealthCounter
+from halo_service.runtime.health import Health, HealthCounter, SlowWatch
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
 from halo_service.sensing import State
@@ -34,6 +34,9 @@ SCENE_S, HEALTH_S = 0.4, 0.9
 """How often scene and health are sent; with `READ_S` that makes 2 Hz and 1 Hz nearly or more."""
 SILENCE_S = 5.0
 """A camera without a capture for so long counts as unplugged."""
+START_S = 60.0
+"""The same until its first capture: on a busy machine a camera starts slowly, and one that is
+opened again and again never does."""
 RECONNECT_S = 0.4
 """Pause between two tries to open a camera that was lost."""
 FRAME_S = 0.0105
@@ -98,6 +101,7 @@ class LiveLoop:
         self._errors = ErrorLog()
         self._stopped = threading.Event()
         self._counter = HealthCounter()
+        self._slow = SlowWatch()
         self._last_us: int | None = None
         self._bad_in_a_row = 0
         self._received_s = time.monotonic()
@@ -134,8 +138,9 @@ class LiveLoop:
             return
         try:
             capture = self._read(self._source)
-            if capture is None and time.monotonic() - self._received_s > SILENCE_S:
-                raise SourceLost(f"camera: no capture for {SILENCE_S:.0f} s; opening it again")
+            silence_s = SILENCE_S if self._last_us is not None else START_S
+            if capture is None and time.monotonic() - self._received_s > silence_s:
+                raise SourceLost(f"camera: no capture for {silence_s:.0f} s; opening it again")
         except SourceLost as error:
             log.warning("%s", error)
             self._lose(self._source)
@@ -222,7 +227,14 @@ class LiveLoop:
             self._publisher.scene(self._state)
         if now_s - self._health_s >= HEALTH_S:
             self._health_s = now_s
-            self._publisher.health(self._health())
+            health = self._health()
+            self._warn_if_slow(health)
+            self._publisher.health(health)
+
+    def _warn_if_slow(self, health: Health) -> None:
+        warning = self._slow.see(health.fps, self._source.camera.fps) if self._source else ""
+        if warning:
+            log.warning("%s", warning)
 
     def _health(self) -> Health:
         off = self._tracker is None or self._paused.is_set()

@@ -23,15 +23,20 @@ LINE = re.compile(r"at line (\d+)")
 CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
 
+def settings_path(path: Path | None) -> Path | None:
+    """Return the file that `load` reads; None: there is none, so all settings are the defaults."""
+    return path or (DEFAULT_FILE if DEFAULT_FILE.exists() else None)
+
+
 def load(path: Path | None) -> Settings:
     """Read a settings file; `None`: `halo.toml` in the current folder, if it exists.
 
     Raises `UserError`, one line per error, for a file that is missing, is not TOML, or has an
     unknown key or a value that is not allowed.
     """
-    if path is None and not DEFAULT_FILE.exists():
+    path = settings_path(path)
+    if path is None:
         return Settings()
-    path = path or DEFAULT_FILE
     data = _parsed(path)
     errors = list(_control_characters(data))
     if not errors:

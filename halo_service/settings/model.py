@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
-from annotated_types import Interval
+from annotated_types import Ge, Interval
 from pydantic import ConfigDict, Field
 
 from halo_service.outputs.settings import ControlSettings, OscSettings, TuioSettings, ZenohSettings
@@ -29,7 +29,10 @@ class SourceSettings:
     """`[source]` in halo.toml: where frames come from."""
 
     name: str = "auto"
-    """`azure-kinect`, `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
+    """`azure-kinect[:SERIAL]`, `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
+    wait_s: Annotated[float, Ge(0.0)] = 0.0
+    """Longest wait for a camera at the start, for a machine that starts faster than its camera;
+    only then `auto` chooses the virtual camera."""
     loop: bool = False
     """Start a recording again when it ends."""
     fast: bool = False

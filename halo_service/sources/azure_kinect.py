@@ -11,8 +11,12 @@ it runs, and the true delay between exposure and timestamp.
 
 from __future__ import annotations
 
+import atexit
 import os
+import sys
+import tempfile
 import time
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -29,6 +33,8 @@ from halo_service.values import BadFrame, Frame, SourceKind
 _FPS = 30
 _MOST_DELAY_US = 1_000_000
 """Longest time between a frame's arrival and its read; more means another clock."""
+_LOG = Path(tempfile.gettempdir()) / f"halo-k4a-{os.getpid()}.log"
+"""What the SDK logs while this process runs; its name must end in `.log`."""
 _OR_ELSE = "or choose another source: --source recording:FILE or --source sim"
 
 
@@ -41,16 +47,19 @@ def connected() -> int:
 
 
 class AzureKinect:
-    """A `Source`: the first connected Azure Kinect."""
+    """A `Source`: a connected Azure Kinect."""
 
     kind: SourceKind = "camera"
 
-    def __init__(self) -> None:
-        """Start the cameras; raises UserError if there is none or it cannot be started."""
+    def __init__(self, serial: str = "") -> None:
+        """Start the camera with this serial number; empty: the first that can be opened.
+
+        Raises UserError if there is none or it cannot be started.
+        """
         self._sdk = _sdk()
         if self._sdk.connected_device_count() == 0:
             raise UserError(f"no Azure Kinect is plugged in: plug one in, {_OR_ELSE}.")
-        self._device = self._started()
+        self._device = self._started(serial)
         try:
             self.camera: Camera = k4a.from_json(
                 self._device.calibration_raw.encode(),
@@ -101,7 +110,21 @@ class AzureKinect:
             # An unplugged camera cannot be stopped and does not need it.
             self._device.is_running = False
 
-    def _started(self) -> Any:
+    def _started(self, serial: str) -> Any:
+        sdk = self._sdk
+        said = _LOG.stat().st_size if _LOG.exists() else 0
+        device = self._opened(serial)
+        try:
+            if device is not None:
+                device.start()
+                return device
+        except sdk.K4AException as error:
+            device.close()
+            raise _cannot_start(_reason(said)) from error
+        raise _cannot_start(_reason(said))
+
+    def _opened(self, serial: str) -> Any:
+        """Open the device with this serial number; None if no device can be opened."""
         sdk = self._sdk
         config = sdk.Config(
             color_format=sdk.ImageFormat.COLOR_MJPG,
@@ -112,18 +135,56 @@ class AzureKinect:
         )
         # "Thread-safe" in pyk4a holds Python's lock while it waits for a frame, which blocks
         # every other thread. Only one thread uses the camera, so the lock is not needed.
-        device = sdk.PyK4A(config, thread_safe=False)
-        try:
-            device.start()
-        except sdk.K4AException as error:
-            if device.opened:
-                device.close()
+        others = []
+        for number in range(sdk.connected_device_count()):
+            device = sdk.PyK4A(config, device_id=number, thread_safe=False)
+            try:
+                device.open()
+            except sdk.K4AException:
+                continue  # another program uses it
+            if serial in ("", device.serial):
+                return device
+            others.append(device.serial)
+            device.close()
+        if others:
             raise UserError(
-                "an Azure Kinect is plugged in but cannot be started: close other programs that "
-                "use it, plug it into a USB 3 port with its own power, on Linux install its udev "
-                f"rules, {_OR_ELSE}."
-            ) from error
-        return device
+                f"the Azure Kinect {serial} is not plugged in, or another program uses it; free "
+                f"here: {', '.join(others)}: choose one with --source azure-kinect:{others[0]}, "
+                "or plug the other in"
+            )
+        return None
+
+
+def _cannot_start(reason: str) -> UserError:
+    """Return the error for a camera that does not start. `reason`: the SDK's own, or empty."""
+    what = "an Azure Kinect is plugged in but cannot be started"
+    if (
+        "depth engine" in reason.lower()
+        and sys.platform == "linux"
+        and not os.environ.get("DISPLAY")
+    ):
+        return UserError(
+            f"{what} ({reason}): its depth engine needs a display and DISPLAY is not set: log in "
+            "on this machine's screen and set DISPLAY=:0, or start a virtual one (Xvfb)"
+        )
+    shown = f" ({reason})" if reason else ""
+    return UserError(
+        f"{what}{shown}: close other programs that use it, plug it into a USB 3 port with its own "
+        f"power, on Linux install its udev rules, {_OR_ELSE}."
+    )
+
+
+def _reason(said: int) -> str:
+    """Return what the SDK logged since its log had this many bytes, in one line."""
+    try:
+        lines = _LOG.read_bytes()[said:].decode(errors="replace").splitlines()
+    except OSError:
+        return ""
+    for level in ("[critical]", "[error]"):
+        for line in lines:
+            if level in line and "returned failure in" not in line:
+                return line.rpartition("): ")[2].partition("(). ")[2] or line.rpartition("): ")[2]
+    return ""
 
 
 def outcome(capture: Any, clock: DeviceClock) -> Frame | BadFrame:
@@ -146,8 +207,11 @@ def _arrived_us(system_ns: int) -> int:
 
 
 def _sdk() -> ModuleType:
-    # The SDK prints its messages on stdout, among our output; it reads this variable once.
+    # The SDK prints its messages on stdout, among our output; it reads these variables once. Its
+    # functions fail without a reason, which is only in its log.
     os.environ.setdefault("K4A_ENABLE_LOG_TO_STDOUT", "0")
+    os.environ.setdefault("K4A_ENABLE_LOG_TO_A_FILE", str(_LOG))
+    atexit.register(_LOG.unlink, missing_ok=True)
     try:
         import pyk4a
     except (ImportError, OSError) as error:

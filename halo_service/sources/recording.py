@@ -12,7 +12,7 @@ frame, so time always rises.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import chain, islice
 from pathlib import Path
@@ -27,8 +27,9 @@ from halo_service.values import BadFrame, Frame, SourceKind
 _US_PER_S = 1_000_000
 _OPENING_CAPTURES = 300
 """The first good frame must be within these, 10 s: a camera may start with colour alone."""
-_HOPELESSLY_LATE_US = 1_000_000
-"""After a longer pause it continues from now, like a camera, and does not catch up."""
+_LATE_US = 300_000
+"""A frame that is due for longer is not caught up with: on a machine that is too slow to read it,
+the recording runs slower, and its time passes slower by the same amount. So time never leaps."""
 
 
 class Recording:
@@ -40,7 +41,7 @@ class Recording:
         """Open, check, and read to the first good frame; raises UserError with the remedy."""
         self._path = path
         self._loop = loop
-        self._pace = _Pace() if realtime else None
+        self._pace = Pace() if realtime else None
         self._file = KinectFile(path)
         self.camera: Camera = self._file.camera
         self._outcomes = self._from_first_frame()
@@ -107,22 +108,25 @@ class Recording:
             )
 
 
-class _Pace:
+class Pace:
     """When a frame of the file is due, in Unix time; the first is due at once."""
 
-    def __init__(self) -> None:
+    def __init__(self, unix_us: Callable[[], int] = CLOCK.unix_us) -> None:
+        self._now_us = unix_us
         self._unix_minus_file_us: int | None = None
 
     def due_us(self, file_us: int) -> int:
-        now_us = CLOCK.unix_us()
+        """Return when the frame with this time in the file is due."""
+        now_us = self._now_us()
         if self._unix_minus_file_us is None:
             self._unix_minus_file_us = now_us - file_us
         late_us = now_us - (file_us + self._unix_minus_file_us)
-        if late_us > _HOPELESSLY_LATE_US:
-            self._unix_minus_file_us += late_us
+        if late_us > _LATE_US:
+            self._unix_minus_file_us += late_us - _LATE_US
         return file_us + self._unix_minus_file_us
 
     def wait_until(self, unix_us: int, timeout_s: float) -> bool:
-        wait_s = (unix_us - CLOCK.unix_us()) / _US_PER_S
+        """Wait for a time, at most `timeout_s`; return whether it has come."""
+        wait_s = (unix_us - self._now_us()) / _US_PER_S
         time.sleep(max(0.0, min(wait_s, timeout_s)))
         return wait_s <= timeout_s

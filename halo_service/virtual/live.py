@@ -24,12 +24,12 @@ from halo_service.errors import SourceLost, UserError
 from halo_service.geometry.surface import Surface
 from halo_service.values import BadFrame, Frame, SourceKind
 from halo_service.virtual import worker
-from halo_service.virtual.camera import factory
 from halo_service.virtual.ring import Ring, ring_bytes
 from halo_service.virtual.sim_url import SimRequest
 
-START_S = 20.0
-"""A worker that has not shown a frame by then has hung; usual is under 2 s."""
+START_S = 60.0
+"""A worker that has not shown a frame by then has hung. Usual is under 2 s, but several services
+that start at once on two cores need half a minute."""
 
 
 @contextmanager
@@ -57,7 +57,7 @@ class VirtualKinect:
 
         `truth_path` writes the truth, one JSON line a frame and a touch.
         """
-        self.camera = factory(request.room.device, request.room.mode)
+        self.camera = request.room.camera()
         self.surface: Surface = request.room.surface()
         self.room = request.room
         self._memory = SharedMemory(create=True, size=ring_bytes(self.camera.depth))
@@ -81,7 +81,7 @@ class VirtualKinect:
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
         """The newest frame not read yet, waiting for one; None when none came in time.
 
-        Raises SourceLost when the worker has died.
+        Raises SourceLost when the worker has died or does not start.
         """
         frame = self._ring.newest(after=self._seen)
         if frame is None:
@@ -89,7 +89,7 @@ class VirtualKinect:
             frame = self._ring.newest(after=self._seen)
         if frame is None:
             if self._deadline is not None and time.monotonic() > self._deadline:
-                raise UserError(
+                raise SourceLost(
                     "The virtual camera does not start; try again on a less busy machine."
                 )
             return None

@@ -13,7 +13,7 @@ import pytest
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile import Profile
-from halo_service.runtime.health import Health
+from halo_service.runtime.health import Health, SlowWatch
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerThread
@@ -379,13 +379,46 @@ def test_a_source_with_an_unexpected_error_goes_on(caplog: pytest.LogCaptureFixt
 
 
 def test_a_source_that_only_fails_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("halo_service.runtime.live.SILENCE_S", 0.2)
+    monkeypatch.setattr("halo_service.runtime.live.START_S", 0.2)
     second = Scripted([frame(0)])
     listener, first = run([ValueError("dead")] * 200, lambda: second)
     assert first.closed
     assert first.script
     assert second.closed
     assert listener.healths[-1].camera == "ended"
+
+
+def test_a_camera_that_starts_slowly_is_not_opened_again_and_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("halo_service.runtime.live.SILENCE_S", 0.1)
+    listener, source = run([None, None, None, frame(0), frame(1)])
+    assert not source.script  # the same source was read to its end
+    assert listener.healths[-1].camera == "ended"
+    assert not any(health.camera == "lost" for health in listener.healths)
+
+
+def test_a_camera_that_went_silent_may_start_as_slowly_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("halo_service.runtime.live.SILENCE_S", 0.1)
+    opened: list[Scripted] = []
+
+    def reopen() -> Scripted:
+        opened.append(Scripted([None, None, frame(90), frame(91)]))
+        return opened[-1]
+
+    run([frame(0), None, None], reopen)
+    assert len(opened) == 1
+
+
+def test_a_service_that_is_too_slow_says_so_once_and_says_when_it_is_over() -> None:
+    watch = SlowWatch()
+    rates = [29.8] * 5 + [14.0, 0.0, 14.0, 14.0, 14.0, 15.0, 13.0, 27.0, 29.0, 29.5, 29.9, 30.0]
+    said = [watch.see(fps, 30.0) for fps in rates]
+    assert [n for n, each in enumerate(said) if each] == [9, 15]
+    assert "only 14 of 30 frames a second" in said[9]
+    assert "30 frames a second again" in said[15]
 
 
 @pytest.mark.parametrize("part", ["frame", "scene", "health", "control", "profile"])

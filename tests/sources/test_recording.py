@@ -8,7 +8,7 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.sources import EndOfSource
-from halo_service.sources.recording import Recording
+from halo_service.sources.recording import Pace, Recording
 from halo_service.values import BadFrame, Frame
 
 REAL = Path(__file__).parents[2] / "../shared/data/azure_kinect_desk.mkv"
@@ -264,3 +264,33 @@ def test_closing_twice_is_fine(small_recording):
     recording = Recording(small_recording, realtime=False, loop=False)
     recording.close()
     recording.close()
+
+
+@pytest.mark.parametrize(
+    ("starts_us", "read_ms", "longest_gap_ms"),
+    [(0, 5, 34), (90_000_000, 5, 34), (-70_000_000, 5, 34), (0, 60, 61), (0, 400, 401)],
+    ids=["at 0", "at 90 s", "below 0", "a slow machine", "a very slow machine"],
+)
+def test_on_a_slow_machine_a_recording_runs_slower_and_its_time_never_leaps(
+    starts_us: int, read_ms: int, longest_gap_ms: int
+) -> None:
+    now_us, shown_us = 1_790_000_000_000_000, []
+    pace = Pace(lambda: now_us)
+    for n in range(200):
+        now_us += read_ms * 1000  # reading, decoding and sensing
+        due_us = pace.due_us(starts_us + n * 33_333)
+        now_us = max(now_us, due_us)
+        shown_us.append(due_us)
+        assert now_us - due_us <= 300_000
+    gaps_ms = np.diff(shown_us) / 1000
+    assert gaps_ms.min() > 33.0
+    assert np.percentile(gaps_ms[50:], 95) <= longest_gap_ms
+    assert gaps_ms.max() < 1000.0
+
+
+def test_after_a_long_pause_a_recording_continues_from_now() -> None:
+    now_us = 1_790_000_000_000_000
+    pace = Pace(lambda: now_us)
+    before_us = pace.due_us(0)
+    now_us += 10_000_000
+    assert pace.due_us(33_333) - before_us == pytest.approx(10_000_000, abs=300_000)

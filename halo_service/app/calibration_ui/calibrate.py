@@ -60,9 +60,9 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
         )
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
-        source = _source(settings, request)
-        stack.callback(source.close)
         saved = load(folder) if exists(folder) else None
+        source = _source(settings, request, saved)
+        stack.callback(source.close)
         if saved is not None and request.script is None:
             require_fit(saved, source.camera)
         setup = _setup(settings, request, folder, source)
@@ -146,7 +146,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
             "halo calibrate touch --profile pilot1"
         )
     with ExitStack() as stack:
-        source = _source(settings, CalibrateRequest())
+        source = _source(settings, CalibrateRequest(), profile)
         stack.callback(source.close)
         require_fit(profile, source.camera)
         terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
@@ -183,7 +183,7 @@ def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: 
     )
 
 
-def _source(settings: Settings, request: CalibrateRequest) -> Source:
+def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:
     name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.sim_url import parse_sim_url
@@ -197,7 +197,7 @@ def _source(settings: Settings, request: CalibrateRequest) -> Source:
             "calibrate: a recording cannot follow prompts; give its steps with --script FILE"
         )
     source = replace(settings.source, name=name, fast=name.startswith("recording:"))
-    return open_source(source)[0]
+    return open_source(source, saved.camera.serial if saved else "")[0]
 
 
 def _date(source: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from halo_service.app.options import add_profile, add_source, settings_from
+from halo_service.app.options import add_profile, add_source, found_at, seconds, settings_from
 
 SUMMARY = "run the service: read a camera, send touches"
 EXAMPLE = "halo serve --profile desk --osc 192.168.1.20:4256"
@@ -17,6 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser)
     parser.add_argument("--loop", action="store_true", help="start a recording again at its end")
     parser.add_argument("--fast", action="store_true", help="read a recording as fast as possible")
+    parser.add_argument(
+        "--wait",
+        type=seconds,
+        metavar="S",
+        help="wait so long for a camera at the start (default: 0)",
+    )
     parser.add_argument("--node", metavar="NAME", help="name of this service on the network")
     parser.add_argument(
         "--osc",
@@ -52,6 +58,7 @@ def run(options: argparse.Namespace) -> int:
         settings.source,
         loop=options.loop or settings.source.loop,
         fast=options.fast or settings.source.fast,
+        wait_s=settings.source.wait_s if options.wait is None else options.wait,
     )
     osc = replace(
         settings.osc,
@@ -79,6 +86,7 @@ def run(options: argparse.Namespace) -> int:
             zenoh=zenoh,
             web=web,
             control=replace(settings.control, port=port),
-        )
+        ),
+        found_at(options.config),
     )
     return 0

@@ -14,6 +14,7 @@ import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.process import stop_on_signals
 from halo_service.app.service.control_handler import ControlHandler
+from halo_service.app.service.fit_watcher import FitWatcher
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.app.service.publisher import Publisher
 from halo_service.app.sources import open_source
@@ -35,6 +36,7 @@ from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import DEFAULT_SURFACE, start
 from halo_service.settings import Settings
 from halo_service.sources import Source
+from halo_service.values import Frame
 
 if TYPE_CHECKING:
     from halo_service.web.announcement import Announcement
@@ -43,15 +45,18 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def serve(settings: Settings) -> None:
-    """Run the service until Ctrl-C, SIGTERM or the end of a recording."""
+def serve(settings: Settings, settings_from: str = "") -> None:
+    """Run the service until Ctrl-C, SIGTERM or the end of a recording.
+
+    `settings_from`: which file the settings are from, for the log.
+    """
     node = _node(settings.node)
     with ExitStack() as stack:
         control = ControlPort(settings.control.host, settings.control.port)
         stack.callback(control.close)
         saved = load(profile_path(settings.profile)) if settings.profile else None
         surface = saved.surface.name if saved else DEFAULT_SURFACE[0]
-        source, reopen = open_source(settings.source)
+        source, reopen = open_source(settings.source, saved.camera.serial if saved else "")
         stack.callback(source.close)
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
@@ -62,17 +67,31 @@ def serve(settings: Settings) -> None:
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
         frames = FrameEncoder(node, session, first, settings.osc.max_bytes)
-        publisher = Publisher(
-            frames, carriers, source.kind, source.camera, surface, control.port, names
-        )
         folder = profile_path(settings.profile) if settings.profile else None
         reloader = ProfileReloader(folder, source.camera, profile)
         stack.callback(reloader.close)
+        fit = FitWatcher(lambda: reloader.profile)
+        stack.callback(fit.close)
+        publisher = Publisher(
+            frames,
+            carriers,
+            source.kind,
+            source.camera,
+            surface,
+            control.port,
+            names,
+            lambda: fit.fit,
+        )
         tracker = _tracker(source, reloader, settings)
         if tracker is not None:
             stack.callback(tracker.close)
             reloader.on_change = tracker.reload
         paused = threading.Event()
+
+        def watch(frame: Frame) -> None:
+            reloader.watch(frame)
+            fit.watch(frame)
+
         handler = ControlHandler(control, reloader, leases, osc, paused)
         loop = LiveLoop(
             source,
@@ -81,7 +100,7 @@ def serve(settings: Settings) -> None:
             start(profile, settings.sensing),
             publisher,
             handler.handle,
-            reloader.watch,
+            watch,
             paused=paused,
         )
         if web is not None:
@@ -91,6 +110,7 @@ def serve(settings: Settings) -> None:
                 announcement = _announce(settings, names, web, control, **facts)
                 stack.callback(announcement.close)
         stop_on_signals(loop.stop)
+        log.info("settings: %s", settings_from)
         _log_start(settings, source, profile, node, control.port, web.url if web else "")
         loop.run()
 

@@ -65,7 +65,7 @@ def _grid_from_source(settings: Settings, request: VerifyRequest) -> Grid:
     """Sense here, until the grid is done."""
     profile = load(profile_path(settings.profile))
     with ExitStack() as stack:
-        source, reopen = _open_source(settings)
+        source, reopen = _open_source(settings, profile.camera.serial)
         stack.callback(source.close)
         require_fit(profile, source.camera)
         screen = stack.enter_context(screen_for(source, request.screen))
@@ -144,11 +144,11 @@ def _update(verification: Verification, touch_frame: TouchFrame) -> None:
     verification.update(fingers, downs)
 
 
-def _open_source(settings: Settings) -> tuple[Source, Callable[[], Source]]:
+def _open_source(settings: Settings, serial: str) -> tuple[Source, Callable[[], Source]]:
     name = decide() if settings.source.name == "auto" else settings.source.name
     if name == "sim" or name.startswith("sim:"):
         from halo_service.virtual.sim_url import parse_sim_url
 
         user = VirtualUser(parse_sim_url(name).room)
         return user, lambda: user
-    return open_source(replace(settings.source, name=name))
+    return open_source(replace(settings.source, name=name), serial)

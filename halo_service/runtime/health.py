@@ -68,7 +68,7 @@ SLOW_IN_A_ROW = 3
 
 
 class SlowWatch:
-    """Notices that a service senses fewer frames than its camera takes."""
+    """Notices that a service senses fewer frames than its camera captures."""
 
     def __init__(self) -> None:
         self._slow = False

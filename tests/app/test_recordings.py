@@ -85,11 +85,11 @@ def test_a_recording_can_be_recorded(recording: Path, tmp_path: Path) -> None:
 
 
 def test_a_recording_is_not_overwritten_unless_asked(
-    take: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "evening.mkv"
     out.write_bytes(b"the only recording of that evening")
-    command = ["record", str(out), "--source", f"recording:{take}", "--no-colour"]
+    command = ["record", str(out), "--source", f"recording:{recording}", "--no-colour"]
     assert main(command) == 2
     assert "exists already; choose another name, or add --force" in capsys.readouterr().err
     assert out.read_bytes() == b"the only recording of that evening"

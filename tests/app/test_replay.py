@@ -33,9 +33,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("session")
     request = parse_sim_url(f"sim:demo?seed=3&mode={MODE}&{KIND_URL}")
     truth = []
-    with Recorder(
-        folder / "recording.mkv", request.room.camera(), fps=30, colour=True
-    ) as recorder:
+    with Recorder(folder / "recording.mkv", request.room.camera(), fps=30, colour=True) as recorder:
         for frame, lines in frames(request, SECONDS):
             if frame is not None:
                 recorder.write(frame)

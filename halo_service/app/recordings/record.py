@@ -43,7 +43,7 @@ class Recorded:
 
     frames: int = 0
     lost: int = 0
-    """Frames that the camera took and that never came."""
+    """Frames that the camera captured and that never came."""
     bad: int = 0
     """Captures without depth or infrared."""
     ended: str = ""

@@ -16,6 +16,7 @@ from functools import partial
 from typing import NamedTuple
 
 import halo_protocol as wire
+from halo_protocol.osc import message_spans
 from halo_service.errors import UserError
 
 log = logging.getLogger(__name__)
@@ -41,7 +42,7 @@ class ControlMessage(NamedTuple):
     arguments: tuple[wire.Argument, ...]
     sender: tuple[str, int]
     size: int = 0
-    """Bytes of the datagram it came in; an answer must not be larger."""
+    """Bytes of the message, without those of others in its bundle; an answer must not be larger."""
     answer: Callable[[bytes], None] = _no_answer
     """Sends one OSC message back."""
 
@@ -117,17 +118,17 @@ class ControlPort:
     def _read(self, datagram: bytes, sender: tuple[str, int]) -> None:
         try:
             messages = wire.parse_osc(datagram)
+            sizes = [end - start for start, end in message_spans(datagram)]
         except wire.ProtocolError as error:
             self.bad += 1
             if sender not in self._strangers and len(self._strangers) < SENDERS:
                 self._strangers.add(sender)
                 log.warning("control: skipped a datagram from %s:%d: %s", *sender, error)
             return
+        answer = partial(self.reply, to=sender)
         self._queue.extend(
-            ControlMessage(
-                address, arguments, sender, len(datagram), partial(self.reply, to=sender)
-            )
-            for address, arguments in messages
+            ControlMessage(address, arguments, sender, size, answer)
+            for (address, arguments), size in zip(messages, sizes, strict=True)
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from threading import Event
 
@@ -13,10 +13,12 @@ import pytest
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 import halo_protocol as wire
+from halo_protocol.osc import IMMEDIATELY, bundle
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.leases import Leases
+from halo_service.outputs.networks import Networks
 from halo_service.outputs.osc import OscOutput
 from halo_service.sensing import SensingSettings, start
 from tests.outputs.samples import TOUCHING, frame
@@ -101,3 +103,50 @@ def test_nothing_is_streamed_after_hello_alone(service: Service, client: socket.
         service.turn()
     with pytest.raises(TimeoutError):
         client.recv(65_536)
+
+
+def bundled(*messages: bytes) -> bytes:
+    return bundle(IMMEDIATELY, *messages)
+
+
+SHORT_HELLO = message("hello", "1.0.0", "frames", 0)
+ATTACKS = {
+    "hello": message("hello", "1.0.0", "frames", 0, " " * 256),
+    "refused hello": message("hello", "1.0.0", "midi" * 50, 0, " " * 256),
+    "short hello": SHORT_HELLO,
+    "bundle of short hellos": bundled(*[SHORT_HELLO] * 20),
+    "bundle of short questions": bundled(*[message("status")] * 20),
+    "question": message("status", " " * 256),
+    "lease": message("lease", "t0123456789abcdef"),
+    "bundle of leases": bundled(*[message("lease", "")] * 20),
+    "malformed": message("hello", "1.0.0")[:-4],
+}
+
+
+@pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
+@pytest.mark.parametrize(("networks", "allowed"), [("127.0.0.0/8", True), ("127.0.0.2", False)])
+def test_a_forged_sender_never_gets_more_bytes_than_were_sent(
+    service: Service, client: socket.socket, attack: bytes, networks: str, allowed: bool
+) -> None:
+    """The client is the victim: it never sends a token back."""
+    service.handler._leases.networks = Networks((networks,))
+    received = []
+    client.sendto(attack, ("127.0.0.1", service.control.port))
+    for _ in range(3):
+        service.turn()
+        with suppress(TimeoutError):
+            while True:
+                received.append(client.recv(65_536))
+    assert sum(map(len, received)) <= len(attack)
+    assert allowed or not received
+    assert not any(raw.startswith((b"#bundle", b"/halo/1/table")) for raw in received)
+    assert service.osc._leased == {}
+
+
+def test_a_question_is_answered_alone_and_in_a_bundle(
+    service: Service, client: socket.socket
+) -> None:
+    """The attacks above would be answered if they were large enough."""
+    for question in (ATTACKS["question"], bundled(ATTACKS["question"])):
+        client.sendto(question, ("127.0.0.1", service.control.port))
+        assert next_message(service, client)[0] == "/halo/1/control/status"

@@ -1,24 +1,33 @@
-"""Writes the generated files: `vectors/*.json`, and the tables in `SPEC.md`.
+"""Writes the generated files: `vectors/1.0/*.json`, and the tables and examples in `SPEC.md`.
 
     python protocol/generate.py           write them
     python protocol/generate.py --check   list outdated files, and fail if there is any
 
-Only this part of the protocol reads or writes files.
+Each minor version has its folder of vectors; those of older ones are never written again. Only this
+part of the protocol reads or writes files.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
-import inspect
 import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from spec_sections import with_sections
+from vector_cases import formats
 from vector_cases.assembly import ASSEMBLIES
-from vector_cases.build import AssemblyCase, BytesCase, FrameCase, ReportCase, Step
+from vector_cases.build import (
+    AssemblyCase,
+    BytesCase,
+    ControlCase,
+    FrameCase,
+    ReportCase,
+    Step,
+)
+from vector_cases.control import CONTROLS
 from vector_cases.malformed import MALFORMED
 from vector_cases.reading import READINGS
 from vector_cases.writing import FRAMES, REPORTS
@@ -31,14 +40,16 @@ from halo_protocol import (
     decode,
     encode,
     event_to_json,
-    messages,
+    parse_osc,
     to_json,
 )
-from halo_protocol.jsonview import ENUMERATIONS
-from halo_protocol.table import ROW_OF_MESSAGE, ROWS, Row
+from halo_protocol.table import ROW_OF_MESSAGE
+from halo_service.web.views import json_text
 
 HERE = Path(__file__).parent
+VECTORS = HERE / "vectors" / VERSION.rpartition(".")[0]
 Json = dict[str, Any]
+Named = FrameCase | ReportCase | BytesCase | AssemblyCase | ControlCase
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -62,13 +73,15 @@ def generated() -> dict[Path, str]:
         ("readings", READINGS, reading_vector),
         ("malformed", MALFORMED, malformed_vector),
         ("assembly", ASSEMBLIES, assembly_vector),
+        ("control", CONTROLS, control_vector),
+        ("formats", formats.FORMATS, format_vector),
     ]
     files = {
-        HERE / "vectors" / f"{name}.json": _file([vector(case) for case in cases])
+        VECTORS / f"{name}.json": _file([vector(case) for case in cases])
         for name, cases, vector in tables
     }
     spec = HERE / "SPEC.md"
-    return {**files, spec: with_tables(spec.read_text(encoding="utf-8"))}
+    return {**files, spec: with_sections(spec.read_text(encoding="utf-8"))}
 
 
 def frame_vector(case: FrameCase) -> Json:
@@ -115,6 +128,32 @@ def assembly_vector(case: AssemblyCase) -> Json:
     return {**_named(case), "steps": [_step(assembler, step) for step in case.steps]}
 
 
+def control_vector(case: ControlCase) -> Json:
+    """A message of a client or of the service."""
+    view = {"sender": case.sender, "hex": case.datagram.hex(), "messages": _plain(case.datagram)}
+    return {**_named(case), **view}
+
+
+def format_vector(case: FrameCase) -> Json:
+    """A frame of `frames.json` in other formats, each the first frame of its stream."""
+    streams = {
+        stream: [
+            {"messages": _plain(raw), "hex": raw.hex()} for raw in formats.datagrams(case, stream)
+        ]
+        for stream in formats.STREAMS
+    }
+    text = json.loads(json_text(formats.outgoing(case)))
+    return {**_named(case), "size_mm": list(formats.SIZE_MM), **streams, "json": text}
+
+
+def _plain(datagram: bytes) -> list[Json]:
+    """Messages of any program: address and arguments; a timetag is an int."""
+    return [
+        {"address": address, "arguments": list(arguments)}
+        for address, arguments in parse_osc(datagram)
+    ]
+
+
 def _step(assembler: Assembler, step: Step) -> Json:
     if step.datagram is None:
         events = assembler.expire(step.at_s)
@@ -127,7 +166,7 @@ def _step(assembler: Assembler, step: Step) -> Json:
     return {**view, "events": [event_to_json(event) for event in events]}
 
 
-def _named(case: FrameCase | ReportCase | BytesCase | AssemblyCase) -> Json:
+def _named(case: Named) -> Json:
     return {"name": case.name, "description": case.description}
 
 
@@ -145,73 +184,6 @@ def _file(vectors: list[Json]) -> str:
 
 def _differs(path: Path, text: str) -> bool:
     return not path.exists() or path.read_text(encoding="utf-8") != text
-
-
-def with_tables(spec: str) -> str:
-    """The specification with its generated sections replaced."""
-    for name, text in {"messages": message_tables(), "enumerations": enumerations()}.items():
-        begin, end = f"<!-- generated: {name} -->\n", f"<!-- end: {name} -->\n"
-        before, found, rest = spec.partition(begin)
-        if not found or end not in rest:
-            raise SystemExit(f"SPEC.md has no {begin.strip()} ... {end.strip()}")
-        spec = f"{before}{begin}{text}{end}{rest.partition(end)[2]}"
-    return spec
-
-
-def message_tables() -> str:
-    """One table per message: arguments in order, types and meanings."""
-    return "\n".join(_message_table(row) for row in ROWS)
-
-
-def _message_table(row: Row) -> str:
-    docs = _documented(row.kind.capitalize())
-    lines = [
-        f"### `/halo/1/{{surface}}/{row.kind}`",
-        "",
-        f"{docs['']} Sent {row.when}.",
-        "",
-        "| argument | type | meaning |",
-        "|---|---|---|",
-    ]
-    for field in row.fields:
-        count = {1: "", None: " ..."}.get(field.length, f" x {field.length}")
-        meaning = _enumeration(field.name) or docs[field.name]
-        lines.append(f"| `{field.name}` | `{field.tag}`{count} | {meaning} |")
-    return "\n".join([*lines, ""])
-
-
-def _enumeration(field: str) -> str:
-    """`0 hover, 1 touch`; empty if the field is not an enumeration."""
-    members = ENUMERATIONS.get(field, ())
-    return ", ".join(f"{member.value} `{member.name.lower()}`" for member in members)
-
-
-def enumerations() -> str:
-    """Explanations of single enumeration values."""
-    lines = ["| field | word | meaning |", "|---|---|---|"]
-    for name, members in ENUMERATIONS.items():
-        docs = _documented(members.__name__)
-        lines += [
-            f"| `{name}` | `{member.name.lower()}` | {docs[member.name]} |"
-            for member in members
-            if member.name in docs
-        ]
-    return "\n".join([*lines, ""])
-
-
-def _documented(class_name: str) -> dict[str, str]:
-    """The docstrings of a class ("") and of its fields, read from its source."""
-    tree = ast.parse(inspect.getsource(messages))
-    body = next(n.body for n in tree.body if isinstance(n, ast.ClassDef) and n.name == class_name)
-    docs = {}
-    name = ""
-    for node in body:
-        if isinstance(node, ast.AnnAssign | ast.Assign):
-            target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
-            name = target.id if isinstance(target, ast.Name) else ""
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            docs[name] = " ".join(str(node.value.value).split())
-    return docs
 
 
 if __name__ == "__main__":

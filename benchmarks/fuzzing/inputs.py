@@ -16,7 +16,7 @@ from halo_protocol.handshake import CONTROL, EXPIRED, GOODBYE, LEASE, WELCOME, h
 from halo_protocol.osc import BUNDLE, padded
 from halo_protocol.table import ROWS
 
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors"
+VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0"
 HOST = "127.0.0.1:{port}"
 
 

@@ -73,6 +73,17 @@ class BytesCase:
 
 
 @dataclass(frozen=True)
+class ControlCase:
+    """A message between a client and the control port."""
+
+    name: str
+    description: str
+    sender: str
+    """`client` or `service`."""
+    datagram: bytes
+
+
+@dataclass(frozen=True)
 class Step:
     """One thing that happens to an assembler."""
 

@@ -29,7 +29,7 @@ from halo_protocol.assembly import MAX_STREAMS
 from halo_protocol.osc import IMMEDIATELY, bundle, message_spans
 from halo_protocol.touch_counter import MAX_REMEMBERED
 
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "assembly.json"
+VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0" / "assembly.json"
 SEQUENCES = [
     pytest.param(vector["steps"], id=vector["name"])
     for vector in json.loads(VECTORS.read_text())["vectors"]

@@ -13,7 +13,7 @@ from halo_protocol import Assembler, ProtocolError, decode, from_json, parse_osc
 from halo_protocol.osc import BUNDLE, padded
 from halo_protocol.table import ROW_OF_KIND, ROWS
 
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors"
+VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0"
 
 
 def golden() -> Iterator[bytes]:

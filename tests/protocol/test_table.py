@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from halo_protocol.table import ROWS, Row
 
 PROTOCOL = Path(__file__).parents[2] / "protocol"
 SPEC = (PROTOCOL / "SPEC.md").read_text()
-VECTORS = PROTOCOL / "vectors"
+VECTORS = PROTOCOL / "vectors" / "1.0"
 
 # Version 1.0. Later versions append to these rows and never change them.
 RELEASED = {
@@ -126,7 +127,20 @@ def test_the_specification_lists_each_argument(row: Row) -> None:
 @pytest.mark.parametrize("name", ENUMERATIONS)
 def test_the_specification_lists_each_word(name: str) -> None:
     words = ", ".join(f"{member.value} `{member.name.lower()}`" for member in ENUMERATIONS[name])
-    assert f"| `{name}` | `i` | {words} |" in SPEC
+    assert f"| `{name}` | `i` |  |  | {words} |" in SPEC
+
+
+def test_vectors_that_the_specification_names_exist() -> None:
+    chapter = SPEC.partition("## Lifetimes and faults")[2].partition("\n| how often")[0]
+    cells = [line.rpartition(" | ")[2] for line in chapter.splitlines() if line.startswith("| ")]
+    named = {name for cell in cells[1:] for name in re.findall(r"`([a-z-]+)`", cell)}
+    known = {
+        vector["name"]
+        for file in ("assembly", "frames")
+        for vector in json.loads((VECTORS / f"{file}.json").read_text())["vectors"]
+    }
+    assert len(named) > 10
+    assert named <= known
 
 
 def test_every_must_has_its_reason() -> None:

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pythonosc.osc_bundle import OscBundle
+from pythonosc.osc_message import OscMessage
 
 from halo_protocol import (
+    VERSION,
     Alive,
     Frame,
     ProtocolError,
@@ -18,14 +21,21 @@ from halo_protocol import (
     encode,
     encode_frame,
     from_json,
+    parse_osc,
     to_json,
 )
+from halo_protocol.handshake import CONTROL, EXPIRED, LEAST_HELLO, with_token
+from halo_protocol.table import ROWS
+from halo_service.app.service.commands import Status
+from halo_service.outputs.destination import FORMATS
+from halo_service.outputs.leases import welcome
 
 PROTOCOL = Path(__file__).parents[2] / "protocol"
+VECTORS = PROTOCOL / "vectors" / "1.0"
 
 
 def vectors(name: str) -> list[Any]:
-    cases = json.loads((PROTOCOL / "vectors" / f"{name}.json").read_text())["vectors"]
+    cases = json.loads((VECTORS / f"{name}.json").read_text())["vectors"]
     return [pytest.param(case, id=case["name"]) for case in cases]
 
 
@@ -105,9 +115,97 @@ def test_malformed_datagrams_are_refused(vector: dict[str, Any]) -> None:
     assert str(refused.value) == vector["refusal"]
 
 
+def loaded(folder: Path, name: str) -> list[dict[str, Any]]:
+    return list(json.loads((folder / f"{name}.json").read_text())["vectors"])
+
+
+RELEASED = sorted(path for path in VECTORS.parent.iterdir() if path.name.startswith("1."))
+"""A folder for each minor version; this reader must read all of them."""
+
+
+@pytest.mark.parametrize("folder", RELEASED, ids=lambda folder: folder.name)
+def test_vectors_of_each_released_minor_version_are_read(folder: Path) -> None:
+    holders = [part for vector in loaded(folder, "frames") for part in vector["datagrams"]]
+    for holder in (*holders, *loaded(folder, "reports"), *loaded(folder, "readings")):
+        found = [to_json(message) for _, message in decode(bytes.fromhex(holder["hex"]))]
+        for view, expected in zip(found, holder["messages"], strict=True):
+            expected = {k: v for k, v in expected.items() if k not in ("kind", "surface")}
+            assert {name: view[name] for name in expected} == expected
+    for vector in loaded(folder, "malformed"):
+        with pytest.raises(ProtocolError):
+            decode(bytes.fromhex(vector["hex"]))
+
+
+def test_each_message_and_each_format_has_a_vector() -> None:
+    frames, reports = loaded(VECTORS, "frames"), loaded(VECTORS, "reports")
+    holders = [part for vector in frames for part in vector["datagrams"]] + reports
+    kinds = {message["kind"] for holder in holders for message in holder["messages"]}
+    assert kinds == {row.kind for row in ROWS}
+    for vector in loaded(VECTORS, "formats"):
+        streams = {name.partition(",")[0] for name in vector if isinstance(vector[name], list)}
+        assert set(FORMATS) - {"frames"} <= streams
+    addresses = {each["messages"][0]["address"] for each in loaded(VECTORS, "control")}
+    settings = {address for address in addresses if "/sensing/" in address}
+    assert addresses - settings == {
+        CONTROL + name
+        for name in (
+            "hello", "welcome", "lease", "expired", "goodbye",
+            "pause", "resume", "background", "profile", "status",
+        )
+    }  # fmt: skip
+    assert settings
+
+
+def plain(folder: Path) -> Iterator[Any]:
+    """Datagrams that are no frames or reports, with their messages."""
+    for vector in loaded(folder, "control"):
+        yield pytest.param(vector, id=vector["name"])
+    for vector in loaded(folder, "formats"):
+        for stream in ("flat", "flat,bundles=off", "tuio11", "tuio2"):
+            for n, part in enumerate(vector[stream]):
+                yield pytest.param(part, id=f"{vector['name']}/{stream}/{n}")
+
+
+@pytest.mark.parametrize("vector", list(plain(VECTORS)))
+def test_python_osc_reads_control_messages_and_other_formats(vector: dict[str, Any]) -> None:
+    raw = bytes.fromhex(vector["hex"])
+    expected = [(each["address"], each["arguments"]) for each in vector["messages"]]
+    assert [(address, list(arguments)) for address, arguments in parse_osc(raw)] == expected
+    theirs = list(OscBundle(raw)) if raw.startswith(b"#bundle") else [OscMessage(raw)]
+    for message, (address, arguments) in zip(theirs, expected, strict=True):
+        assert message.address == address
+        # It splits a timetag into two parts.
+        pairs = zip(message.params, arguments, strict=True)
+        assert all(a == b for a, b in pairs if not isinstance(a, tuple))
+
+
+@pytest.mark.parametrize("vector", loaded(VECTORS, "control"), ids=lambda vector: vector["name"])
+def test_no_answer_is_larger_than_its_question(vector: dict[str, Any]) -> None:
+    questions = {"welcome": LEAST_HELLO, "status": LEAST_HELLO, "expired": 48}
+    name = vector["messages"][0]["address"].removeprefix(CONTROL)
+    if vector["sender"] == "service":
+        assert len(vector["hex"]) // 2 <= questions[name]
+
+
+SERVICE_BYTES = {
+    "welcome": welcome("desk", "s1", "accepted", "", "t0123456789abcdef", 10.0),
+    "expired": with_token(EXPIRED, "t0123456789abcdef"),
+    "status": Status("desk", "s1", VERSION, "desk", "", 1).packed(),
+    "status-with-error": Status(
+        "desk", "s1", VERSION, "", "send the name of a profile, such as desk", 0
+    ).packed(),
+}
+
+
+@pytest.mark.parametrize("name", SERVICE_BYTES)
+def test_the_service_sends_the_bytes_of_its_control_vectors(name: str) -> None:
+    vectors = {vector["name"]: vector["hex"] for vector in loaded(VECTORS, "control")}
+    assert SERVICE_BYTES[name].hex() == vectors[name]
+
+
 def datagrams(*files: str) -> Iterator[Any]:
     for file in files:
-        for vector in json.loads((PROTOCOL / "vectors" / f"{file}.json").read_text())["vectors"]:
+        for vector in loaded(VECTORS, file):
             held = vector.get("datagrams") or vector.get("steps") or [vector]
             for i, holder in enumerate(held):
                 if holder["hex"] is not None:

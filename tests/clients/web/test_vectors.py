@@ -13,7 +13,7 @@ import pytest
 
 from halo_protocol import Assembler, ProtocolError, decode, event_to_json, to_json
 
-VECTORS = Path(__file__).parents[3] / "protocol" / "vectors"
+VECTORS = Path(__file__).parents[3] / "protocol" / "vectors" / "1.0"
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 
 

@@ -14,7 +14,7 @@ from platformdirs import user_data_path
 
 from halo_calibration.solvers.correction import Base
 from halo_service.errors import UserError
-from halo_service.files import from_home
+from halo_service.files import from_home, read_text
 
 log = logging.getLogger(__name__)
 
@@ -66,7 +66,7 @@ def is_device(camera_serial: str, device: str) -> bool:
 def read_base(path: Path) -> Base:
     """Read a base model. Raises `UserError` for any other file."""
     try:
-        head, name, serial, *rows = path.read_text(encoding="utf-8").splitlines()
+        head, name, serial, *rows = read_text(path).splitlines()
         if head not in COLUMNS:
             raise ValueError(f"its first line is not '{HEAD}'")
         samples = np.array([row.split() for row in rows if not row.startswith("#")], np.float64)

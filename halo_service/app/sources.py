@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import time
 from collections.abc import Callable
 from math import ceil
@@ -32,6 +33,8 @@ def open_source(
     if name == "auto":
         name = decide()
     kind, _, rest = name.partition(":")
+    if is_sim(name):
+        kind = "sim"
     if kind != "recording" and (settings.loop or settings.fast):
         raise UserError("--loop and --fast work only with --source recording:FILE")
     opener = _opener(kind, rest, name, settings, serial)
@@ -39,6 +42,11 @@ def open_source(
     if source.kind == "camera" and not serial:  # with two cameras, the first may be another later
         return source, _opener(kind, source.camera.serial, name, settings, serial)
     return source, opener
+
+
+def is_sim(name: str) -> bool:
+    """Say whether a source's name means the virtual camera."""
+    return re.fullmatch(r"sim([:,?].*)?", name, re.DOTALL) is not None
 
 
 def _wait_for_camera(seconds: float, sleep: Callable[[float], None]) -> None:

@@ -1,11 +1,15 @@
-"""Read a source's name: `sim:drumming?seed=3&material=foam&camera_height_mm=600`."""
+"""Read a source's name: `sim:drumming,seed=3,material=foam,camera_height_mm=600`.
+
+Rule: no shell changes it. The older spelling `sim:drumming?seed=3&material=foam` needs quotes.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import parse_qsl
+from urllib.parse import parse_qsl, unquote
 
 from halo_service.errors import UserError, suggestion
 from halo_service.values import Finger, Side
@@ -120,19 +124,38 @@ class SimRequest:
 
 
 def parse_sim_url(name: str = "", *, seed: int | None = None) -> SimRequest:
-    """Read what follows `sim:`, e.g. `drumming?seed=3`. `seed` wins over the name's.
+    """Read a name, e.g. `sim:drumming,seed=3`. `seed` wins over the name's.
 
     Raises UserError for an unknown scenario, option or value, naming the known ones.
     """
-    scenario, _, query = name.removeprefix("sim").removeprefix(":").partition("?")
+    scenario, mark, rest = _parted(name.removeprefix("sim").removeprefix(":"))
     scenario = scenario or DEFAULT
     if scenario not in SCENARIOS:
         hint = suggestion(scenario, SCENARIOS) or f"choose from: {', '.join(SCENARIOS)}."
         raise UserError(f"The virtual camera has no scenario {scenario!r}; {hint}")
-    options = dict(parse_qsl(query, keep_blank_values=True))
+    options = dict(parse_qsl(rest, keep_blank_values=True) if mark == "?" else _pairs(rest))
     drawn_seed = _read("seed", options.pop("seed", "1"), int)
     room = draw_room(seed if seed is not None else drawn_seed, **_named(options))
     return SimRequest(scenario, ROOM_CHANGES.get(scenario, _unchanged)(room))
+
+
+def _parted(name: str) -> tuple[str, str, str]:
+    """Return the scenario, the sign after it, and the options."""
+    scenario = re.split("[?,]", name, maxsplit=1)[0]
+    rest = name[len(scenario) :]
+    return scenario, rest[:1], rest[1:]
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    """Read `key=value,key=value`; what has no `=` belongs to the list before it."""
+    pairs: list[tuple[str, str]] = []
+    for part in text.split(",") if text else []:
+        key, equals, value = part.partition("=")
+        if equals or not pairs:
+            pairs.append((key, unquote(value)))
+        else:
+            pairs[-1] = (pairs[-1][0], f"{pairs[-1][1]},{unquote(part)}")
+    return pairs
 
 
 def _unchanged(room: Room) -> Room:

@@ -56,6 +56,14 @@ def test_a_file_is_read_to_its_end_and_its_open_touches_are_ended(tmp_path: Path
     assert frames[3].pointers == () and len(frames[3].ups) == 1
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_stream_that_powershell_has_written_is_read(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "recording.jsonl"
+    path.write_bytes("".join(json.dumps(each) + "\r\n" for each in TAP).encode(encoding))
+    with halo_client.connect(FileSource(path, paced=False)) as receiver:
+        assert len(list(receiver.frames())) == 4
+
+
 def test_a_path_is_replayed_at_its_own_speed(tmp_path: Path) -> None:
     path = written(tmp_path, TAP)
     started_s = time.monotonic()
@@ -103,7 +111,8 @@ def test_the_monitor_ends_with_the_file(tmp_path: Path, capsys: Any) -> None:
         (json.dumps(line(0)).encode() + b'\n{"pointers": 3}\n', "line 2, is not a frame"),
         (json.dumps(line(0, [{"id": 1}])).encode(), "pointer has no 'slot'"),
         (json.dumps(line(0) | {"node": "A B"}).encode(), "node must be"),
-        (b"\xff\xfe\x00", "is not text"),
+        (b"\xff\xfe\x00", "is not UTF-8 text"),
+        ("Süd".encode("latin-1"), "is not UTF-8 text"),
     ],
 )
 def test_a_file_that_is_not_a_stream_is_one_sentence(

@@ -1,6 +1,7 @@
 """What one writes after `sim`, and the sentence for each mistake."""
 
 import dataclasses
+import subprocess
 
 import pytest
 
@@ -19,6 +20,46 @@ def test_everything_can_be_set_in_the_name():
     room = request.room
     assert (room.seed, room.material, room.camera_height_mm) == (3, "foam", 600.0)
     assert (room.dominant, room.curve.family) == (Side.LEFT, "sigmoid")
+
+
+SPELLINGS = [
+    ("sim:demo,seed=3,material=foam", "sim:demo?seed=3&material=foam"),
+    ("sim,seed=3", "sim?seed=3"),
+    ("sim:,seed=3", "sim:?seed=3"),
+    ("drumming,hand=left,drop=0", "drumming?hand=left&drop=0"),
+    ("sim:demo,props=board,cup,seed=4", "sim:demo?props=board,cup&seed=4"),
+    ("sim:demo,rings=index,little", "sim:demo?rings=index,little"),
+    ("sim:demo", "sim:demo?"),
+]
+
+
+@pytest.mark.parametrize(("plain", "quoted"), SPELLINGS)
+def test_the_spelling_that_no_shell_changes_means_the_same(plain, quoted):
+    assert parse_sim_url(plain) == parse_sim_url(quoted)
+
+
+@pytest.mark.parametrize(("plain", "quoted"), SPELLINGS)
+def test_no_shell_changes_it(plain, quoted, tmp_path):
+    del quoted
+    said = subprocess.run(
+        ["sh", "-c", f"echo {plain}"], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert said.stdout.strip() == plain
+    assert not set(plain) & set("?*[]&;|<>(){}$`'\"\\!#~ ")
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("sim:demo,seed", "seed is ''"),
+        ("sim:demo,seed=3,colour=red", "no option 'colour'"),
+        ("sim:demo,material=glue", "no material 'glue'"),
+        ("sim:juggling,seed=3", "no scenario 'juggling'"),
+    ],
+)
+def test_a_mistake_in_the_plain_spelling_is_one_sentence(name, says):
+    with pytest.raises(UserError, match=says):
+        parse_sim_url(name)
 
 
 @pytest.mark.parametrize("option, value", [("hand_size", 1.2), ("skin", 0.4), ("sleeve_mm", 40.0)])
@@ -71,7 +112,7 @@ MISTAKES = [
     ("sim:demo?projected=/nowhere.png", "finds no picture '/nowhere.png'"),
     ("sim:demo?sensor=ideal", "unknown virtual sensor 'ideal'; choose from: true, kind"),
     ("sim:demo?skin_offset_mm=40", "skin_offset_mm is 40; give 0 to 30"),
-    ("sim:labels", "needs a file: sim:labels?labels=FILE"),
+    ("sim:labels", "needs a file: sim:labels,labels=FILE"),
     ("sim:labels?labels=/nowhere.txt", "cannot be read"),
 ]
 

@@ -16,6 +16,7 @@ from typing import Any
 from halo_calibration.boards.board import FAMILIES
 from halo_calibration.solvers.touch import STATES, StateValues
 from halo_service.errors import UserError
+from halo_service.files import read_text
 
 NEEDED = ("step", "from_s", "to_s")
 FIELDS: dict[str, tuple[str, ...]] = {
@@ -54,7 +55,7 @@ class ScriptStep:
 def read_script(path: Path) -> tuple[ScriptStep, ...]:
     """Read a script, earliest step first. Raises `UserError` for anything that is none."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(read_text(path))
     except (OSError, ValueError) as error:
         raise UserError(f"the script {path} cannot be read ({error}); correct --script") from error
     return parse_script(data, str(path))

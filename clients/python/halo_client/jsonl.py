@@ -7,9 +7,11 @@ assembler as a live stream. It reads the lines of `halo replay --jsonl` and thos
 
 from __future__ import annotations
 
+import codecs
 import json
 import time
 from collections import deque
+from pathlib import Path
 from typing import Any
 
 from halo_client.errors import ClientError, EndOfStream
@@ -30,6 +32,20 @@ from halo_protocol import (
 _REPORTS = frozenset(ZENOH_KINDS) - {"frame"}
 
 
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""What PowerShell's `>` and Windows editors write in front of a text, and what it means."""
+
+
+def _encoding(path: Path) -> str:
+    with path.open("rb") as file:
+        start = file.read(3)
+    return next((name for mark, name in _MARKS.items() if start.startswith(mark)), "utf-8")
+
+
 class JsonlInput:
     """An open file, at its own speed or as fast as it is read. `ClientError` names a bad line."""
 
@@ -42,7 +58,7 @@ class JsonlInput:
         self._first_us: int | None = None
         self._due_s = 0.0
         try:
-            self._file = source.path.open(encoding="utf-8")
+            self._file = source.path.open(encoding=_encoding(source.path))
         except OSError as error:
             raise ClientError(f"cannot read {source.path} ({error.strerror})") from error
 
@@ -66,7 +82,9 @@ class JsonlInput:
         try:
             text = self._file.readline()
         except UnicodeDecodeError as error:
-            raise ClientError(f"{self.url} is not a recorded stream: it is not text") from error
+            raise ClientError(
+                f"{self.url} is not a recorded stream: it is not UTF-8 text"
+            ) from error
         if not text:
             raise EndOfStream
         self._line += 1

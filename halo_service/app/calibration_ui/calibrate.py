@@ -21,7 +21,7 @@ from halo_calibration.steps.session import Session
 from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
 from halo_service.app.calibration_ui.terminal import Terminal, step_line
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.sources import decide, open_source
+from halo_service.app.sources import decide, is_sim, open_source
 from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
@@ -29,6 +29,7 @@ from halo_service.profile.store import amend, exists, load, profile_path, requir
 from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Side
+from halo_service.virtual.sim_url import parse_sim_url
 
 FOLLOWED_BY = {"background": ("surface",)}
 """Steps that another step does too."""
@@ -185,9 +186,7 @@ def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: 
 
 def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:
     name = decide() if settings.source.name == "auto" else settings.source.name
-    if name == "sim" or name.startswith("sim:"):
-        from halo_service.virtual.sim_url import parse_sim_url
-
+    if is_sim(name):
         # Printed boards need the full colour picture; hands are found in a smaller one.
         return VirtualUser(
             parse_sim_url(name).room, colour_times=1 if request.step in PLACED else 2

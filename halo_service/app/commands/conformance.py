@@ -8,6 +8,7 @@ from pathlib import Path
 
 import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.files import read_text
 
 SUMMARY = "test whether a client follows the protocol"
 EXAMPLE = "halo conformance --osc 127.0.0.1:4256"
@@ -68,8 +69,8 @@ def _compare(name: str) -> int:
     from halo_service.app.conformance.expected import read_lines, verdict
 
     try:
-        text = sys.stdin.read() if name == "-" else Path(name).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = sys.stdin.read() if name == "-" else read_text(Path(name))
+    except (OSError, ValueError) as error:
         raise UserError(f"conformance: cannot read {name} ({error})") from error
     found = verdict(read_lines(text, name))
     for node, rule, difference in found:

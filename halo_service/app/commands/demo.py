@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command; the client gets every other option."""
     parser.set_defaults(forwards_options=True)
     parser.add_argument("client", choices=tuple(DEMOS), metavar="CLIENT", help="drums or paint")
-    parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo?seed=3")
+    parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo,seed=3")
 
 
 def run(options: argparse.Namespace) -> int:

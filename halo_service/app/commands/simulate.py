@@ -10,14 +10,14 @@ from halo_service.app.options import add_debug
 from halo_service.errors import UserError
 
 SUMMARY = "render a recording of the virtual camera, with its ground truth"
-EXAMPLE = "halo simulate 'drumming?seed=3&material=foam' --out drumming.mkv --truth drumming.jsonl"
+EXAMPLE = "halo simulate drumming,seed=3,material=foam --out drumming.mkv --truth drumming.jsonl"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_debug(parser)
     parser.add_argument(
-        "scenario", nargs="?", metavar="SCENARIO", help="e.g. drumming?seed=3&material=foam"
+        "scenario", nargs="?", metavar="SCENARIO", help="e.g. drumming,seed=3,material=foam"
     )
     parser.add_argument("--out", type=Path, metavar="X.mkv", help="the recording")
     parser.add_argument("--truth", metavar="X.jsonl", help="ground truth, a line a frame")

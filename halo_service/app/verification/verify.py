@@ -15,7 +15,7 @@ from halo_calibration.guided.projector import Screen
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.process import stop_on_signals
 from halo_service.app.projector.screens import ScreenRequest, screen_for
-from halo_service.app.sources import decide, open_source
+from halo_service.app.sources import decide, is_sim, open_source
 from halo_service.app.verification.crossings import Finger, Grid
 from halo_service.app.verification.remote import grid_from_service
 from halo_service.app.verification.session import Verification, grid_over, print_summary
@@ -32,6 +32,7 @@ from halo_service.sensing import State, start
 from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Touch, TouchFrame
+from halo_service.virtual.sim_url import parse_sim_url
 
 WITHIN_MM = 5.0
 """Bound for 95 % of the touches: in the paper they are off by 5.5 mm on average (6.2)."""
@@ -146,9 +147,7 @@ def _update(verification: Verification, touch_frame: TouchFrame) -> None:
 
 def _open_source(settings: Settings, serial: str) -> tuple[Source, Callable[[], Source]]:
     name = decide() if settings.source.name == "auto" else settings.source.name
-    if name == "sim" or name.startswith("sim:"):
-        from halo_service.virtual.sim_url import parse_sim_url
-
+    if is_sim(name):
         user = VirtualUser(parse_sim_url(name).room)
         return user, lambda: user
     return open_source(replace(settings.source, name=name), serial)

@@ -17,6 +17,7 @@ from halo_service.evaluation.report.select import RECORDING
 from halo_service.evaluation.study.calibrate import profile_hash, settings_hash
 from halo_service.evaluation.study.sense import SharedTracker, captures_of, sense_all
 from halo_service.evaluation.study.simulate import Tracker
+from halo_service.files import read_text
 from halo_service.profile import Profile
 from halo_service.runtime.method import Method
 from halo_service.sensing import SensingSettings
@@ -76,7 +77,7 @@ def judge_recording(
 def read_lines(path: Path, what: str) -> tuple[Line, ...]:
     """Read one JSON object per line, or a list of them. Raises `UserError` for anything else."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
         whole = text.lstrip().startswith("[")
         lines = json.loads(text) if whole else [json.loads(each) for each in text.splitlines()]
         if not all(isinstance(each, dict) for each in lines):

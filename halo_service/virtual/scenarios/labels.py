@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from halo_service.errors import UserError
+from halo_service.files import read_text
 from halo_service.virtual.motion import SHORTEST_S, Segment, Timeline, bump
 from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
 from halo_service.virtual.scenario import Scenario, other
@@ -43,10 +44,11 @@ class Label:
 def read(path: Path) -> list[Label]:
     """Touches in order of their beginning. Raises UserError for a file without any."""
     try:
-        lines = path.read_text(encoding="ascii", errors="replace").splitlines()
-    except OSError as error:
+        lines = read_text(path).splitlines()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
         raise UserError(
-            f"The label file {path} cannot be read ({error.strerror}); give `labels=FILE`."
+            f"The label file {path} cannot be read ({reason}); give `labels=FILE`."
         ) from None
     touches: dict[str, list[tuple[float, str, float, float]]] = {}
     for line in lines:
@@ -94,7 +96,7 @@ def readable(room: Room) -> Room:
 def touches(room: Room) -> list[Label]:
     """What the room's label file holds. Raises UserError where there is none."""
     if room.labels is None:
-        raise UserError("The scenario `labels` needs a file: sim:labels?labels=FILE.")
+        raise UserError("The scenario `labels` needs a file: sim:labels,labels=FILE.")
     return read(Path(room.labels))
 
 

@@ -71,6 +71,20 @@ def test_what_is_no_script_is_refused(data: object, says: str) -> None:
         parse_script(data, "s.json")
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_script_by_a_windows_editor_is_read(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "s.json"
+    path.write_bytes(json.dumps(GOOD, indent=1).replace("\n", "\r\n").encode(encoding))
+    assert read_script(path) == parse_script(GOOD, "s.json")
+
+
+def test_a_script_in_another_encoding_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "s.json"
+    path.write_bytes('[{"step": "Fläche"}]'.encode("latin-1"))
+    with pytest.raises(UserError, match=r"not UTF-8 text .* save it as UTF-8"):
+        read_script(path)
+
+
 def test_a_script_that_is_no_json_is_one_sentence(tmp_path: Path) -> None:
     path = tmp_path / "s.json"
     path.write_text("{")

@@ -15,10 +15,15 @@ import ifaddr
 from zeroconf import Error as ZeroconfError
 from zeroconf import InterfaceChoice, IPVersion, ServiceInfo, Zeroconf
 
+from halo_service.outputs.name_watch import NameWatch
+from halo_service.web.name_search import NameSearch
+
 log = logging.getLogger(__name__)
 
 OSC, OSCQUERY = "_osc._udp.local.", "_oscjson._tcp.local."
 """Service types of the control port and of OSCQuery."""
+LASTS_S = 20
+"""Seconds until others forget where a service was that did not withdraw its announcement."""
 
 
 class Port(NamedTuple):
@@ -34,19 +39,21 @@ class Port(NamedTuple):
 class Announcement:
     """Stays until it is closed; a network without mDNS costs a line in the log."""
 
-    def __init__(
-        self, node: str, session: str, ports: list[Port], facts: Mapping[str, str]
-    ) -> None:
-        """`facts`: what a program can read before it connects, such as the surface."""
-        self._node, self._session = node, session
+    def __init__(self, names: NameWatch, ports: list[Port], facts: Mapping[str, str]) -> None:
+        """`names`: this service's, which also gets others of the same name; `facts`: what a
+        program can read before it connects, such as the surface."""
+        self._names = names
         self._ports, self._facts = ports, dict(facts)
         self._announcers: list[Zeroconf] = []
+        self._searches: list[NameSearch] = []
         self._thread = threading.Thread(target=self._announce, name="mdns", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Withdraw the announcement."""
         self._thread.join()
+        for search in self._searches:
+            search.close()
         for announcer in self._announcers:
             try:
                 announcer.unregister_all_services()
@@ -70,17 +77,21 @@ class Announcement:
         chosen = InterfaceChoice.All if port.host == "0.0.0.0" else addresses
         announcer = Zeroconf(interfaces=chosen, ip_version=IPVersion.V4Only)
         self._announcers.append(announcer)
+        node, session = self._names.node, self._names.session
         announcer.register_service(
             ServiceInfo(
                 port.kind,
-                f"{self._node}.{port.kind}",
+                f"{node}.{port.kind}",
                 port=port.number,
                 parsed_addresses=addresses,
-                properties={"node": self._node, "session": self._session, **self._facts},
-                server=f"{self._node}-{self._session}.local.",
+                properties={"node": node, "session": session, **self._facts},
+                server=f"{node}-{session}.local.",
+                host_ttl=LASTS_S,
             ),
             allow_name_change=True,
         )
+        if port.kind == OSC:
+            self._searches.append(NameSearch(announcer, OSC, self._names))
 
 
 def _addresses(host: str) -> list[str]:

@@ -11,6 +11,7 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.cli import main
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.outputs.settings import ZenohSettings
 from halo_service.outputs.zenoh import ZenohOutput
@@ -29,9 +30,9 @@ def config(tmp_path: Path, free_port: Callable[[], int]) -> Iterator[Path]:
     port = [Port(OSC, "127.0.0.1", 4257)]
     settings = ZenohSettings(listen=(endpoint,))
     with (
-        closing(Announcement("left", "s1", port, FACTS)) as left,
+        closing(Announcement(NameWatch("left", "s1"), port, FACTS)) as left,
         closing(
-            Announcement("stranger", "s1", port, {"surface": "no/name", "rate_hz": "x"})
+            Announcement(NameWatch("stranger", "s1"), port, {"surface": "no/name", "rate_hz": "x"})
         ) as bad,
         closing(ZenohOutput(settings, "right", "table")) as right,
     ):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
-from contextlib import closing
+from contextlib import ExitStack, closing
 
 import pytest
 from zeroconf import IPVersion, ServiceInfo, Zeroconf
 
+from halo_service.outputs.name_watch import NameWatch
 from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port, _addresses
 
 PATIENCE_S = 15.0
@@ -25,7 +28,7 @@ def found(kind: str) -> ServiceInfo | None:
 def test_a_service_is_found_by_name_until_it_ends() -> None:
     ports = [Port(OSC, "127.0.0.1", 4257), Port(OSCQUERY, "127.0.0.1", 4258)]
     facts = {"surface": "table", "rate_hz": "30"}
-    with closing(Announcement("halo-test", "s1", ports, facts)):
+    with closing(Announcement(NameWatch("halo-test", "s1"), ports, facts)):
         for kind, _, number in ports:
             info = found(kind)
             assert info is not None
@@ -55,6 +58,59 @@ def test_an_open_service_is_announced_under_every_address_but_the_loopback() -> 
 
 def test_what_cannot_be_announced_costs_a_line(caplog: pytest.LogCaptureFixture) -> None:
     too_long = "halo-test" * 10
-    with closing(Announcement(too_long, "s1", [Port(OSC, "127.0.0.1", 1)], {})):
+    with closing(Announcement(NameWatch(too_long, "s1"), [Port(OSC, "127.0.0.1", 1)], {})):
         pass
     assert "other programs cannot find this service by name" in caplog.text
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others are asked often, and a collision is soon over."""
+    monkeypatch.setattr("halo_service.web.name_search.LOOK_S", 0.2)
+    monkeypatch.setattr("halo_service.outputs.name_watch.LASTS_S", 1.0)
+
+
+def wait_for(collides: bool, *watches: NameWatch) -> None:
+    until = time.monotonic() + PATIENCE_S
+    while any(watch.collision(time.monotonic()) != collides for watch in watches):
+        assert time.monotonic() < until, f"collision is not {collides}"
+        time.sleep(0.05)
+
+
+def test_two_services_of_one_name_notice_each_other_until_one_ends(
+    caplog: pytest.LogCaptureFixture, quick: None
+) -> None:
+    first, second = NameWatch("halo-twin", "s1"), NameWatch("halo-twin", "s2")
+    other = NameWatch("halo-other", "s3")
+    with ExitStack() as stack:
+        for number, names in enumerate((first, other)):
+            port = Port(OSC, "127.0.0.1", 5000 + number)
+            stack.enter_context(closing(Announcement(names, [port], {})))
+        with closing(Announcement(second, [Port(OSC, "127.0.0.1", 5002)], {})):
+            wait_for(True, first, second)
+        assert not other.collision(time.monotonic())
+        wait_for(False, first)
+    assert caplog.text.count("also called 'halo-twin' (session s2)") == 1
+    assert caplog.text.count("also called 'halo-twin' (session s1)") == 1
+
+
+TWIN = """
+import sys, time
+from halo_service.outputs.name_watch import NameWatch
+from halo_service.web import announcement
+
+announcement.LASTS_S = 2
+port = announcement.Port(announcement.OSC, "127.0.0.1", 5001)
+twin = announcement.Announcement(NameWatch("halo-killed", "s2"), [port], {})
+time.sleep(60.0)
+"""
+
+
+def test_a_service_that_was_killed_is_forgotten(quick: None) -> None:
+    names = NameWatch("halo-killed", "s1")
+    with closing(Announcement(names, [Port(OSC, "127.0.0.1", 5000)], {})):
+        twin = subprocess.Popen([sys.executable, "-c", TWIN])
+        wait_for(True, names)
+        twin.kill()  # no goodbye
+        twin.wait()
+        wait_for(False, names)

@@ -105,10 +105,9 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         )
         if web is not None:
             web.nodes = handler.nodes
-            if settings.web.announce:
-                facts = {"surface": surface, "rate_hz": f"{source.camera.fps:g}"}
-                announcement = _announce(settings, names, web, control, **facts)
-                stack.callback(announcement.close)
+        if settings.web.announce:
+            facts = {"surface": surface, "rate_hz": f"{source.camera.fps:g}"}
+            stack.callback(_announce(settings, names, web, control, **facts).close)
         stop_on_signals(loop.stop)
         log.info("settings: %s", settings_from)
         _log_start(settings, source, profile, node, control.port, web.url if web else "")
@@ -187,15 +186,14 @@ def _web(
 
 
 def _announce(
-    settings: Settings, names: NameWatch, web: WebServer, control: ControlPort, **facts: str
+    settings: Settings, names: NameWatch, web: WebServer | None, control: ControlPort, **facts: str
 ) -> Announcement:
     from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port
 
-    ports = [
-        Port(OSC, settings.control.host, control.port),
-        Port(OSCQUERY, settings.web.host, web.port),
-    ]
-    return Announcement(names.node, names.session, ports, facts)
+    ports = [Port(OSC, settings.control.host, control.port)]
+    if web is not None:
+        ports.append(Port(OSCQUERY, settings.web.host, web.port))
+    return Announcement(names, ports, facts)
 
 
 def destinations(settings: Settings) -> list[Destination]:

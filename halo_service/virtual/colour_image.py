@@ -148,20 +148,20 @@ class ColourImager:
         seen = rasterise(self._lens, points, body.faces)
         lamp = AMBIENT + (1.0 - AMBIENT) * np.clip(body.normals @ LAMP, 0.0, 1.0)
         lit = body.colour * (self._room_gain * lamp[:, None])
-        columns = [points[:, 2:], lit]
+        rows = [points[:, 2:].T, lit.T]
         if self._show is not None:
             towards = self._projector.towards(body.vertices)
             facing = np.clip(np.einsum("ij,ij->i", body.normals, towards), 0.0, 1.0)
-            columns += [255.0 * body.colour * facing[:, None]]
-            columns += [self._projector.pixels(body.vertices) - 0.5]
-        at_pixel = seen.mix(np.concatenate(columns, axis=1).astype(np.float32))
-        nearer = np.flatnonzero(at_pixel[:, 0] < into.depth.ravel().take(seen.pixel))
-        pixel, at_pixel = seen.pixel.take(nearer), at_pixel.take(nearer, axis=0)
-        into.depth.ravel()[pixel] = at_pixel[:, 0]
-        into.room.reshape(-1, 3)[pixel] = np.minimum(at_pixel[:, 1:4], 255.0)
+            rows += [255.0 * body.colour.T * facing]
+            rows += [self._projector.pixels(body.vertices).T - 0.5]
+        at_pixel = seen.mix(np.concatenate(rows).astype(np.float32))
+        nearer = np.flatnonzero(at_pixel[0] < into.depth.ravel().take(seen.pixel))
+        pixel, at_pixel = seen.pixel.take(nearer), at_pixel.take(nearer, axis=1)
+        into.depth.ravel()[pixel] = at_pixel[0]
+        into.room.reshape(-1, 3)[pixel] = np.minimum(at_pixel[1:4], 255.0).T
         if self._show is not None:
-            into.thrown.reshape(-1, 3)[pixel] = np.minimum(at_pixel[:, 4:7], 255.0)
-            into.source.reshape(-1, 2)[pixel] = at_pixel[:, 7:9]
+            into.thrown.reshape(-1, 3)[pixel] = np.minimum(at_pixel[4:7], 255.0).T
+            into.source.reshape(-1, 2)[pixel] = at_pixel[7:9].T
         return pixel
 
     def _throw(self, now: _Lit, picture: Bgr, bodies: Sequence[Body]) -> Bgr:

@@ -107,13 +107,13 @@ class DepthImager:
         normals = body.normals @ self._surface.camera_from_surface[:3, :3].T
         facing = -np.einsum("ij,ij->i", normals, points) / np.linalg.norm(points, axis=1)
         shine = body.infrared * np.clip(facing, GRAZING, 1.0)
-        at_pixel = seen.mix(np.column_stack([points[:, 2], shine]).astype(np.float32))
+        at_pixel = seen.mix(np.stack([points[:, 2], shine]).astype(np.float32))
         behind = into.depth.ravel().take(seen.pixel) - into.late.ravel().take(seen.pixel)
-        nearer = np.flatnonzero(at_pixel[:, 0] < behind)
-        pixel, (depth, shine) = seen.pixel.take(nearer), at_pixel.take(nearer, axis=0).T
+        nearer = np.flatnonzero(at_pixel[0] < behind)
+        pixel, (depth, shine) = seen.pixel.take(nearer), at_pixel.take(nearer, axis=1)
         late = np.zeros(len(pixel), np.float32)
         if body.offset_mm is not None:
-            late = body.offset_mm.take(seen.corners[:, 0].take(nearer))
+            late = body.offset_mm.take(seen.corners[0].take(nearer))
         # Nearer than the table behind it: the light is stronger by the square of the distance.
         closer = (self.view.depth.ravel().take(pixel) / depth) ** 2
         into.infrared.ravel()[pixel] = shine * self._light.ravel().take(pixel) * closer

@@ -32,27 +32,25 @@ class Seen:
     pixel: Ints
     """(N,) flat pixel numbers, row * width + column, each once."""
     corners: Ints
-    """(N, 3) the vertices of the triangle seen there."""
+    """(3, N) the vertices of the triangle seen there."""
     share: Pixels
-    """(N, 3) barycentric shares of these."""
+    """(3, N) barycentric shares of these."""
 
     def mix(self, per_vertex: Pixels) -> Pixels:
-        """(N, K) from (V, K): a vertex quantity at each pixel."""
-        a, b, c = (
-            per_vertex.take(self.corners[:, k], axis=0) * self.share[:, k : k + 1] for k in range(3)
-        )
+        """(K, N) from (K, V): K vertex quantities at each pixel."""
+        a, b, c = (per_vertex.take(self.corners[k], axis=1) * self.share[k] for k in range(3))
         return np.asarray(a + b + c, dtype=np.float32)
 
 
-_NOTHING = Seen(np.empty(0, np.int64), np.empty((0, 3), np.int64), np.empty((0, 3), np.float32))
+_NOTHING = Seen(np.empty(0, np.int64), np.empty((3, 0), np.int64), np.empty((3, 0), np.float32))
 
 
 def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
     """See a closed mesh, (V, 3) in the camera's frame, through a lens; the nearest face wins."""
-    px = lens.project(points).astype(np.float32)
-    in_front = np.hypot(points[:, 0], points[:, 1]) < WIDEST * points[:, 2]
-    faces = _towards(px, np.where(in_front, points[:, 2], 0.0).astype(np.float32), faces)
-    face, row, first, last = _spans(lens, px, faces)
+    x, y, z = _project(lens, points)
+    corners = _towards(x, y, z, np.ascontiguousarray(faces.T))
+    xs, ys = x.take(corners), y.take(corners)
+    face, row, first, last = _spans(lens, xs, ys)
     if len(row) == 0:
         return _NOTHING
     start, count = row * lens.width + first, last - first + 1
@@ -63,8 +61,52 @@ def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
     pixel = np.flatnonzero(winner >= 0)
     span = winner.take(pixel).astype(np.int64)
     pixel += lowest
-    corners, y = faces.take(face.take(span), axis=0), row.take(span)
-    return Seen(pixel, corners, _shares(px, corners, pixel - y * lens.width, y))
+    face, row = face.take(span), row.take(span)
+    share = _shares(xs, ys, face, pixel - row * lens.width, row)
+    return Seen(pixel, corners.take(face, axis=1), share)
+
+
+def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
+    """Columns and rows, px, and depths, mm; depth 0 for what the lens does not see.
+
+    The same numbers as `Lens.project`, whose OpenCV function spends most of its time on
+    derivatives.
+    """
+    x, y, z = points.T
+    seen = (z > 0.0) & (x * x + y * y < (WIDEST * z) ** 2)
+    # Elsewhere the model divides by about zero: on the axis it does not.
+    x, y, away = np.where(seen, x, 0.0), np.where(seen, y, 0.0), 1.0 / np.where(seen, z, 1.0)
+    x, y = x * away, y * away
+    k1, k2, p1, p2, k3, k4, k5, k6 = lens.distortion
+    r2 = x * x + y * y
+    r4 = r2 * r2
+    r6 = r4 * r2
+    radial = 1.0 + k1 * r2 + k2 * r4 + k3 * r6
+    less = 1.0 / (1.0 + k4 * r2 + k5 * r4 + k6 * r6)
+    twice = 2.0 * x * y
+    column = x * radial * less + p1 * twice + p2 * (r2 + 2.0 * x * x)
+    row = y * radial * less + p1 * (r2 + 2.0 * y * y) + p2 * twice
+    return (
+        (column * lens.fx + lens.cx).astype(np.float32),
+        (row * lens.fy + lens.cy).astype(np.float32),
+        np.where(seen, z, 0.0).astype(np.float32),
+    )
+
+
+def _towards(x: Pixels, y: Pixels, z: Pixels, corners: Ints) -> Ints:
+    """The faces that turn to the camera and lie in front of it, from far to near; (3, F)."""
+    (xa, xb, xc), (ya, yb, yc), (za, zb, zc) = (at.take(corners) for at in (x, y, z))
+    # Twice the signed area: what turns its back to the camera has the other sign (y is down).
+    area: Pixels = (xb - xa) * (yc - ya) - (yb - ya) * (xc - xa)
+    nearest = np.minimum(np.minimum(za, zb), zc)
+    kept = np.flatnonzero((area < -1e-6) & (nearest > NEAR_MM))
+    depth = (za + (zb + zc)).take(kept)
+    # Bits of positive floats have their order. With the face's number below them, a plain sort
+    # keeps the order of equal ones, and is several times faster than a stable one.
+    keys = (-depth.view(np.int32)).astype(np.int64) << 32 | kept
+    keys.sort()
+    far_first: Ints = keys & 0xFFFFFFFF
+    return corners.take(far_first, axis=1)
 
 
 def _runs(start: Ints, count: Ints) -> Ints:
@@ -73,49 +115,38 @@ def _runs(start: Ints, count: Ints) -> Ints:
     return np.asarray(np.arange(int(count.sum())) + np.repeat(start - before, count), np.int64)
 
 
-def _spans(lens: Lens, px: Pixels, faces: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+def _spans(lens: Lens, xs: Pixels, ys: Pixels) -> tuple[Ints, Ints, Ints, Ints]:
     """Cut each triangle into rows of pixels: its number, the row, the first and the last column."""
-    y = px[:, 1].take(faces)
-    low = np.maximum(np.ceil(y.min(axis=1)), 0.0).astype(np.int64)
-    count = np.minimum(np.floor(y.max(axis=1)), lens.height - 1.0).astype(np.int64) - low + 1
+    top, bottom = np.minimum.reduce(ys, axis=0), np.maximum.reduce(ys, axis=0)
+    low = np.maximum(np.ceil(top), 0.0).astype(np.int64)
+    count = np.minimum(np.floor(bottom), lens.height - 1.0).astype(np.int64) - low + 1
     count = np.maximum(count, 0)
-    face = np.repeat(np.arange(len(faces)), count)
+    face = np.repeat(np.arange(len(count)), count)
     row = _runs(low, count)
+    height = row.astype(np.float32)
     left = np.zeros(len(face), np.float32)
     right = np.full(len(face), lens.width - 1.0, np.float32)
-    for k in range(3):  # each edge bounds the row on one side
-        a, b = px.take(faces[:, k], axis=0), px.take(faces[:, (k + 1) % 3], axis=0)
-        rise = b[:, 1] - a[:, 1]
-        slope = (b[:, 0] - a[:, 0]) / np.where(rise == 0.0, np.float32(1.0), rise)
-        cut = (a[:, 0] - slope * a[:, 1]).take(face) + slope.take(face) * row.astype(np.float32)
-        side = rise.take(face)
-        left = np.where(side > 0.0, np.maximum(left, cut), left)
-        right = np.where(side < 0.0, np.minimum(right, cut), right)
+    for a, b in ((0, 1), (1, 2), (2, 0)):  # each edge bounds the row on one side
+        rise = ys[b] - ys[a]
+        slope = (xs[b] - xs[a]) / np.where(rise == 0.0, np.float32(1.0), rise)
+        start = xs[a] - slope * ys[a]
+        along = slope.take(face) * height
+        after, before = np.where(rise > 0.0, start, -np.inf), np.where(rise < 0.0, start, np.inf)
+        np.maximum(left, after.take(face) + along, out=left)
+        np.minimum(right, before.take(face) + along, out=right)
     first = np.ceil(np.minimum(left, lens.width)).astype(np.int64)
     last = np.floor(np.maximum(right, -1.0)).astype(np.int64)
     kept = np.flatnonzero(first <= last)
     return face.take(kept), row.take(kept), first.take(kept), last.take(kept)
 
 
-def _shares(px: Pixels, corners: Ints, x: Ints, y: Ints) -> Pixels:
-    """(N, 3) barycentric shares of pixel centres in their triangles."""
-    a, b, c = (px.take(corners[:, k], axis=0) for k in range(3))
-    ab, ac = b - a, c - a
-    dx, dy = x.astype(np.float32) - a[:, 0], y.astype(np.float32) - a[:, 1]
-    area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
-    share_b = (dx * ac[:, 1] - dy * ac[:, 0]) / area
-    share_c = (ab[:, 0] * dy - ab[:, 1] * dx) / area
-    return np.column_stack([1.0 - share_b - share_c, share_b, share_c])
-
-
-def _towards(px: Pixels, z: Pixels, faces: Ints) -> Ints:
-    """The faces that turn to the camera and lie in front of it, from far to near."""
-    a, b, c = (px.take(faces[:, k], axis=0) for k in range(3))
-    # Twice the signed area: what turns its back to the camera has the other sign (y is down).
-    area: Pixels = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (
-        c[:, 0] - a[:, 0]
-    )
-    depth = z.take(faces)
-    kept = np.flatnonzero((area < -1e-6) & (depth.min(axis=1) > NEAR_MM))
-    far_first = np.argsort(-depth.take(kept, axis=0).sum(axis=1), kind="stable")
-    return faces.take(kept.take(far_first), axis=0)
+def _shares(xs: Pixels, ys: Pixels, face: Ints, column: Ints, row: Ints) -> Pixels:
+    """(3, N) barycentric shares of pixel centres in their triangles."""
+    xa, xb, xc = xs
+    ya, yb, yc = ys
+    ab_x, ab_y, ac_x, ac_y = xb - xa, yb - ya, xc - xa, yc - ya
+    area = (ab_x * ac_y - ab_y * ac_x).take(face)
+    dx, dy = column.astype(np.float32) - xa.take(face), row.astype(np.float32) - ya.take(face)
+    share_b = (dx * ac_y.take(face) - dy * ac_x.take(face)) / area
+    share_c = (ab_x.take(face) * dy - ab_y.take(face) * dx) / area
+    return np.stack([1.0 - share_b - share_c, share_b, share_c])

@@ -7,7 +7,7 @@ from halo_service.virtual.bodies import Body, cup, wedge
 from halo_service.virtual.camera import factory, pixel_rays
 from halo_service.virtual.depth_image import DepthImager
 from halo_service.virtual.mesh import gradient, surface_nets
-from halo_service.virtual.render import rasterise
+from halo_service.virtual.render import _project, rasterise
 from halo_service.virtual.room import Room, draw_room
 
 RADIUS = 40.0
@@ -37,7 +37,7 @@ def test_a_ball_is_seen_where_it_is_and_as_deep_as_it_is(x, y):
     points, faces, _ = ball(x, y, 500.0)
     seen = rasterise(lens, points, faces)
     assert len(np.unique(seen.pixel)) == len(seen.pixel)
-    depth = seen.mix(points[:, 2:].astype(np.float32))[:, 0]
+    depth = seen.mix(points[:, 2:].T.astype(np.float32))[0]
     true = hit(pixel_rays(lens).reshape(-1, 3), np.array([x, y, 500.0]))
     covered = np.flatnonzero(~np.isnan(true))
     wrong = np.setxor1d(covered, seen.pixel)
@@ -53,6 +53,30 @@ def test_what_is_behind_the_lens_or_outside_the_image_is_not_seen():
         assert len(rasterise(lens, points, faces).pixel) == 0
 
 
+def test_an_arm_where_the_lens_model_divides_by_zero_is_not_seen_and_warns_of_nothing():
+    lens = factory().depth
+    k4, k5, k6 = lens.distortion[5:]
+    pole = next(r.real for r in np.roots([k6, k5, k4, 1.0]) if r.imag == 0.0 and r.real > 0.0)
+    z = np.linspace(300.0, 500.0, 30_000)
+    away = np.sqrt(pole) * z  # 74 degrees off the axis
+    points = np.column_stack([0.6 * away, 0.8 * away, z])
+    with np.errstate(all="raise"):
+        seen = rasterise(lens, points, np.arange(len(z)).reshape(-1, 3))
+    assert len(seen.pixel) == 0
+
+
+def test_pixels_are_those_of_the_lens():
+    rng = np.random.default_rng(3)
+    points = rng.uniform((-600.0, -500.0, 100.0), (600.0, 500.0, 900.0), (2000, 3))
+    for lens in (factory().depth, factory().colour, factory("bolt", "WFOV_2X2BINNED").depth):
+        x, y, z = _project(lens, points)
+        seen = z > 0.0
+        assert 500 < np.count_nonzero(seen) < 2000
+        assert (z[seen] == points[seen, 2].astype(np.float32)).all()
+        px = lens.project(points[seen]).astype(np.float32)
+        assert (np.column_stack([x, y])[seen] == px).all()
+
+
 def test_the_nearer_of_two_bodies_hides_the_other():
     lens = factory().depth
     near, faces, _ = ball(0.0, 0.0, 400.0)
@@ -61,7 +85,7 @@ def test_the_nearer_of_two_bodies_hides_the_other():
     seen = rasterise(lens, *both)
     alone = rasterise(lens, near, faces)
     assert np.isin(alone.pixel, seen.pixel).all()
-    corner = seen.corners[np.isin(seen.pixel, alone.pixel), 0]
+    corner = seen.corners[0, np.isin(seen.pixel, alone.pixel)]
     assert (corner >= len(far)).all()
 
 

@@ -6,6 +6,7 @@ surface; height is -z). `hand` has the angles of a hand.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -200,19 +201,28 @@ def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> Po
 
 
 def bones_of(pose: HandPose) -> Floats:
-    """(BONES, 4, 4) what carries rest points of each bone to their place in the hand's frame."""
+    """(BONES, 4, 4) what carries rest points of each bone to their place in the hand's frame.
+
+    Not to be written to: a frame asks for the same joint angles several times.
+    """
+    return _bones(pose.flexion, pose.spread, pose.arm_pitch_deg)
+
+
+@functools.lru_cache(maxsize=64)
+def _bones(flexion: tuple[Angles, ...], spread: tuple[float, ...], arm_pitch_deg: float) -> Floats:
     bones = np.tile(np.eye(4), (BONES, 1, 1))
-    bones[ARM] = _hinges(np.zeros((1, 3)), about_x(-np.radians(pose.arm_pitch_deg))[None])[0]
+    bones[ARM] = _hinges(np.zeros((1, 3)), about_x(-np.radians(arm_pitch_deg))[None])[0]
     # All five fingers at once: bend each joint about the finger's own sideways axis.
-    flex = -np.radians(np.array(pose.flexion))
+    flex = -np.radians(np.array(flexion))
     bends = _AHEAD[:, None] @ _turns_about_x(flex) @ _AHEAD.transpose(0, 2, 1)[:, None]
-    spreads = np.stack([about_z(np.radians(angle)) for angle in pose.spread])
+    spreads = np.stack([about_z(np.radians(angle)) for angle in spread])
     bends[:, 0] = spreads @ bends[:, 0]
     carried = _hinges(_REST[:, 0], bends[:, 0])
     bones[2::3] = carried
     for segment in (1, 2):
         carried = carried @ _hinges(_REST[:, segment], bends[:, segment])
         bones[2 + segment :: 3] = carried
+    bones.flags.writeable = False
     return bones
 
 
@@ -241,7 +251,8 @@ def _turns_about_x(angles: Floats) -> Floats:
 
 def _hinges(points: Floats, rotations: Floats) -> Floats:
     """(N, 4, 4) turns about points."""
-    transforms = np.tile(np.eye(4), (len(points), 1, 1))
+    transforms = np.zeros((len(points), 4, 4))
+    transforms[:, 3, 3] = 1.0
     transforms[:, :3, :3] = rotations
     transforms[:, :3, 3] = points - np.einsum("nij,nj->ni", rotations, points)
     return transforms

@@ -53,12 +53,16 @@ class Pool:
     def __init__(self, numbers: Image, shape: tuple[int, int]) -> None:
         self._numbers, self._shape = numbers, shape
 
-    def draw(self, rng: np.random.Generator, shape: tuple[int, int] | None = None) -> Image:
-        """A view of as many numbers as an image has, or as `shape` says (rows, columns)."""
-        rows, columns = shape or self._shape
+    def draw(self, rng: np.random.Generator) -> Image:
+        """A view of as many numbers as an image has."""
+        return self._numbers[self.place(rng, self._shape)]
+
+    def place(self, rng: np.random.Generator, shape: tuple[int, ...]) -> tuple[slice, slice]:
+        """Where to cut (rows, columns) out of it."""
+        rows, columns = shape
         y = int(rng.integers(0, 1 + self._numbers.shape[0] - rows))
         x = int(rng.integers(0, 1 + self._numbers.shape[1] - columns))
-        return self._numbers[y : y + rows, x : x + columns]
+        return slice(y, y + rows), slice(x, x + columns)
 
 
 class Electronics:
@@ -73,6 +77,10 @@ class Electronics:
         # The colour image draws from it too, and is larger.
         white = rng.standard_normal((_COLOUR_ROWS + _SPARE, _COLOUR_COLUMNS + _SPARE), np.float32)
         self._white = Pool(white, shape)
+        step = (white * np.float32(GRAIN * self._times)).astype(np.int8)
+        self._brighter, self._darker = (
+            np.maximum(sign, 0).astype(np.uint8) for sign in (step, -step)
+        )
         self._correlated = Pool(_boxed(white, model.noise_box_px), shape)
         self._slow = Pool(_waves(rng, size), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
@@ -84,7 +92,8 @@ class Electronics:
     def depth(self, seen: Ideal, age_s: float, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16, mm, 0 where nothing is measured."""
         infrared = seen.infrared
-        read: Image = cv2.divide(PHOTON_MM**2 * PHOTON_IR, infrared) + np.float32(FLOOR_MM**2)
+        read: Image = np.float32(PHOTON_MM**2 * PHOTON_IR) / infrared
+        read += np.float32(FLOOR_MM**2)
         cv2.sqrt(read, dst=read)
         cv2.multiply(read, self._correlated.draw(rng), dst=read, scale=self._turned(rng))
         if self._model.slow_noise_mm:
@@ -109,15 +118,15 @@ class Electronics:
         read = cv2.multiply(ideal, self._white.draw(rng), scale=IR_NOISE)
         cv2.scaleAdd(self._white.draw(rng), IR_FLOOR, read, dst=read)
         cv2.add(read, ideal, dst=read)
-        return np.clip(read, 0.0, 65535.0, out=read).astype(np.uint16)
+        cv2.threshold(read, 65535.0, 0.0, cv2.THRESH_TRUNC, dst=read)
+        cv2.threshold(read, 0.0, 0.0, cv2.THRESH_TOZERO, dst=read)
+        return np.asarray(read, dtype=np.uint16)
 
     def grain(self, image: NDArray[np.uint8], rng: np.random.Generator) -> None:
         """Add noise to a colour image, in place."""
-        noise = self._white.draw(rng, (image.shape[0], image.shape[1]))
-        step = (noise * np.float32(GRAIN * self._times)).astype(np.int8)
-        up, down = np.maximum(step, 0).astype(np.uint8), np.maximum(-step, 0).astype(np.uint8)
-        cv2.add(image, cv2.merge([up, up, up]), dst=image)
-        cv2.subtract(image, cv2.merge([down, down, down]), dst=image)
+        cut = self._white.place(rng, image.shape[:2])
+        cv2.add(image, cv2.merge([self._brighter[cut]] * 3), dst=image)
+        cv2.subtract(image, cv2.merge([self._darker[cut]] * 3), dst=image)
 
 
 def _boxed(white: Image, box_px: int) -> Image:

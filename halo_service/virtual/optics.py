@@ -44,7 +44,7 @@ def soften_edges(
     edge = (cv2.dilate(covered, wide) != cv2.erode(covered, wide)) | moving
     step = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
     loss = (step > EDGE_STEP_MM) * np.float32(model.edge_loss)
-    loss[moving] = model.moving_edge_loss
+    np.copyto(loss, model.moving_edge_loss, where=moving)
     lost = edge & (rng.random(depth.shape, np.float32) < loss)
     mixed = cv2.GaussianBlur(depth, (0, 0), model.edge_sigma_px)
     np.copyto(depth, mixed, where=edge)
@@ -91,22 +91,23 @@ def cast_shadow(
     covered = ideal.covered[box] > 0
     here = ideal.depth[box] - ideal.late[box]
     column = np.arange(covered.shape[1], dtype=np.float32)
-    # The column that a pixel of a body darkens: how far the illuminator's view differs from ours.
-    darkens = np.float32(lens.fx * model.illuminator_mm) * (here - table[box])
-    darkens /= here
-    darkens /= table[box]
-    darkens += column
-    darkens[~covered] = np.inf
-    leftmost = np.minimum.accumulate(darkens[:, ::-1], axis=1)[:, ::-1]
+    # How far the illuminator's view differs from ours: a body darkens what is so far to its left.
+    left_px = np.float32(lens.fx * model.illuminator_mm) * (here - table[box])
+    left_px /= here
+    left_px /= table[box]
+    farthest = min(covered.shape[1], 2 + int(-left_px.min()))
+    darkens = left_px + column
+    np.copyto(darkens, np.inf, where=~covered)
+    leftmost = cv2.erode(darkens, np.ones((1, farthest + 1), np.uint8), anchor=(0, 0))
     shade = (leftmost <= column + np.float32(0.5)) & ~covered
-    count = int(np.count_nonzero(shade))
-    ideal.infrared[box][shade] *= np.float32(model.shadow_light)
-    ideal.depth[box][shade] += np.float32(model.shadow_late_mm) * rng.standard_exponential(
+    dark = np.unravel_index(np.flatnonzero(shade), shade.shape)
+    count = len(dark[0])
+    ideal.infrared[box][dark] *= np.float32(model.shadow_light)
+    ideal.depth[box][dark] += np.float32(model.shadow_late_mm) * rng.standard_exponential(
         count, np.float32
     )
-    lost = shade.copy()
-    lost[shade] = rng.random(count, np.float32) < model.shadow_loss
-    return box, lost
+    shade[dark] = rng.random(count, np.float32) < model.shadow_loss
+    return box, shade
 
 
 def clipped(

@@ -74,7 +74,7 @@ def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
     """
     x, y, z = points.T
     seen = (z > 0.0) & (x * x + y * y < (WIDEST * z) ** 2)
-    # Elsewhere the model divides by about zero: on the axis it does not.
+    # Elsewhere (an upper arm as high as the lens) the model divides by about zero.
     x, y, away = np.where(seen, x, 0.0), np.where(seen, y, 0.0), 1.0 / np.where(seen, z, 1.0)
     x, y = x * away, y * away
     k1, k2, p1, p2, k3, k4, k5, k6 = lens.distortion

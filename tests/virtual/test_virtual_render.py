@@ -53,16 +53,13 @@ def test_what_is_behind_the_lens_or_outside_the_image_is_not_seen():
         assert len(rasterise(lens, points, faces).pixel) == 0
 
 
-def test_an_arm_where_the_lens_model_divides_by_zero_is_not_seen_and_warns_of_nothing():
-    lens = factory().depth
-    k4, k5, k6 = lens.distortion[5:]
-    pole = next(r.real for r in np.roots([k6, k5, k4, 1.0]) if r.imag == 0.0 and r.real > 0.0)
-    z = np.linspace(300.0, 500.0, 30_000)
-    away = np.sqrt(pole) * z  # 74 degrees off the axis
-    points = np.column_stack([0.6 * away, 0.8 * away, z])
-    with np.errstate(all="raise"):
-        seen = rasterise(lens, points, np.arange(len(z)).reshape(-1, 3))
-    assert len(seen.pixel) == 0
+@pytest.mark.parametrize("depth_mm", [3e-5, 1e-9, 1e-20, 0.0, -1e-9])
+def test_an_arm_as_high_as_the_lens_is_not_seen_and_overflows_nothing(depth_mm):
+    """As at user 216, 430 mm below the camera: an upper arm rises beyond it."""
+    points = np.array([[1147.0, 190.0, depth_mm], [1147.0, 240.0, -depth_mm], [1050.0, 190.0, 9.0]])
+    for faces in ([[0, 1, 2]], [[0, 2, 1]]):
+        with np.errstate(all="raise"):
+            assert len(rasterise(factory().depth, points, np.array(faces)).pixel) == 0
 
 
 def test_pixels_are_those_of_the_lens():

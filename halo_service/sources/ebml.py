@@ -12,6 +12,8 @@ from typing import BinaryIO
 from halo_service.errors import UserError
 
 _EBML = b"\x1a\x45\xdf\xa3"
+_START_BYTES = 256
+"""Enough to recognise what is often saved under the name of a recording."""
 _SEGMENT = b"\x18\x53\x80\x67"
 
 
@@ -27,12 +29,24 @@ def open_matroska(path: Path) -> BinaryIO:
         raise UserError(
             f"{path} cannot be opened ({error.strerror}); check its permissions."
         ) from error
-    if file.read(len(_EBML)) == _EBML:
+    start = file.read(_START_BYTES)
+    if start.startswith(_EBML):
+        file.seek(0)
         return file
     file.close()
-    raise UserError(
-        f"{path} is not a Matroska file; name a recording made by an Azure Kinect (.mkv)."
-    )
+    raise UserError(f"{path} {_what_it_is(start)}")
+
+
+def _what_it_is(start: bytes) -> str:
+    """Say what a file is that begins like this and is not Matroska, and what to do."""
+    text = start.lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+    if text.startswith(b"version https://git-lfs"):
+        return "is a Git LFS pointer and not the recording itself: run 'git lfs pull' there."
+    if text.startswith((b"<!doctype html", b"<html")):
+        return "is a web page and not a recording: download the file itself again."
+    if not start:
+        return "is empty: copy or record it again."
+    return "is not a Matroska file; name a recording made by an Azure Kinect (.mkv)."
 
 
 def declared_size(file: BinaryIO) -> int | None:

@@ -91,6 +91,11 @@ class KinectFile:
         """Whether the file is complete: closed by its writer, and as long as it states."""
         return self._readable and self._complete
 
+    @property
+    def closed_by_writer(self) -> bool:
+        """Whether the program that wrote the file has completed it."""
+        return self._complete
+
     def close(self) -> None:
         """May be called twice."""
         self._container.close()
@@ -145,6 +150,11 @@ class KinectFile:
     def _checked_camera(self) -> Camera:
         colour = self._tracks.get("COLOR")
         mode = self._tag("DEPTH", "K4A_DEPTH_MODE").upper()
+        if mode == "PASSIVE_IR":
+            raise UserError(
+                f"{self._path} was recorded in PASSIVE_IR, without depth; record it in a depth "
+                "mode such as NFOV_UNBINNED."
+            )
         try:
             camera = k4a.from_json(
                 self._calibration(),

@@ -101,10 +101,15 @@ class Recording:
     def _check_end(self, frames: int) -> None:
         if frames == 0:
             raise no_frames(self._path)
+        if not self._file.closed_by_writer:
+            raise UserError(
+                f"{self._path} was never closed, and ends after {frames} frames: it is still being "
+                "recorded, or its program was killed; wait for its end, or record it again."
+            )
         if not self._file.whole:
             raise UserError(
-                f"{self._path} is cut off after {frames} frames: it is truncated or damaged; "
-                "copy or record it again."
+                f"{self._path} is cut off after {frames} frames: it is damaged; copy or record it "
+                "again."
             )
 
 

@@ -53,6 +53,10 @@ def small_recording(tmp_path_factory, small_camera, small_frames) -> Path:
     return path
 
 
+RAW_COLOURS = {"NV12": "nv12", "YUY2": "yuyv422", "BGRA": "bgra"}
+"""The SDK's uncompressed formats of colour, and FFmpeg's names for them."""
+
+
 @pytest.fixture
 def foreign(tmp_path, small_camera):
     """Write a Matroska file of three images a track; `missing`, `spoilt`: (track, ms) pairs."""
@@ -73,15 +77,15 @@ def foreign(tmp_path, small_camera):
         with av.open(path, "w", container_options={"allow_raw_vfw": "1"}) as container:
             streams = []
             for title in tracks:
-                raw_colour = title == "NV12"
+                raw_colour = title in RAW_COLOURS
                 stream = container.add_stream("rawvideo" if raw_colour else codec, 30)
                 stream.width, stream.height = (1280, 720) if raw_colour else size
-                stream.pix_fmt = "nv12" if raw_colour else pix_fmt
+                stream.pix_fmt = RAW_COLOURS.get(title, pix_fmt)
                 stream.codec_context.time_base = Fraction(1, 1000)
                 stream.metadata.update(
                     title="COLOR" if raw_colour else title,
                     K4A_DEPTH_MODE=depth_mode,
-                    K4A_COLOR_MODE="NV12_720P",
+                    K4A_COLOR_MODE=f"{title}_720P",
                 )
                 streams.append(stream)
             if calibration is not None:
@@ -103,7 +107,7 @@ def foreign(tmp_path, small_camera):
 def picture(stream, time_ms) -> av.VideoFrame:
     width, height = stream.width, stream.height
     grey = np.arange(width * height, dtype=np.uint32).astype(np.uint16).reshape(height, width)
-    frame = av.VideoFrame.from_ndarray(grey + np.uint16(time_ms), format="gray16le")
+    frame = av.VideoFrame.from_ndarray(grey + np.uint16(time_ms % 65_536), format="gray16le")
     frame = frame.reformat(format=stream.pix_fmt)
     frame.pts, frame.time_base = time_ms, Fraction(1, 1000)
     return frame

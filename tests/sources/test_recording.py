@@ -82,7 +82,7 @@ def outcome_of(path: Path) -> tuple[int, str]:
     except EndOfSource:
         return frames, "a normal end"
     except UserError as error:
-        known = ("header is cut off", "is truncated:", "is cut off after")
+        known = ("header is cut off", "is truncated:", "never closed, and ends after")
         said = next((words for words in known if words in str(error)), str(error))
         return frames, f"{said} {frames}" if said == known[2] else said
 
@@ -108,7 +108,7 @@ def test_a_recording_that_was_never_closed_is_reported_at_its_end(tmp_path, smal
     data[segment + 4 : segment + 12] = b"\x01" + b"\xff" * 7  # the size, still unknown
     path = tmp_path / "unclosed.mkv"
     path.write_bytes(data)
-    assert outcome_of(path) == (6, "is cut off after 6")
+    assert outcome_of(path) == (6, "never closed, and ends after 6")
 
 
 def test_ours_reads_back_as_it_was_written(small_recording, small_frames):
@@ -130,8 +130,9 @@ def test_the_sdk_s_raw_images_are_read_from_more_than_one_frame(foreign):
     assert all(f.colour is None and f.depth.flags.writeable for f in frames)
 
 
-def test_colour_that_is_no_jpeg_comes_as_an_array(foreign):
-    frames = play(foreign(tracks=("NV12", "DEPTH", "IR")))
+@pytest.mark.parametrize("colour", ["NV12", "YUY2", "BGRA"])
+def test_colour_that_is_no_jpeg_comes_as_an_array(foreign, colour):
+    frames = play(foreign(tracks=(colour, "DEPTH", "IR")))
     assert len(frames) == 3
     for frame in frames:
         assert isinstance(frame.colour, np.ndarray)
@@ -150,7 +151,11 @@ FOREIGN = {
     "no calibration": ({"calibration": None}, "no calibration.json attached"),
     "not a calibration": ({"calibration": b"{}"}, "CalibrationInformation"),
     "no mode": ({"depth_mode": ""}, "unknown depth mode ''"),
-    "IR only": ({"depth_mode": "PASSIVE_IR"}, "unknown depth mode 'PASSIVE_IR'"),
+    "IR only": ({"depth_mode": "PASSIVE_IR"}, "recorded in PASSIVE_IR, without depth"),
+    "passive IR": (
+        {"tracks": ("IR",), "depth_mode": "PASSIVE_IR"},
+        "has no DEPTH track.*with depth and IR switched on",
+    ),
     "another size": ({"size": (320, 240)}, "320 x 240 where its mode has 320 x 288"),
 }
 
@@ -164,18 +169,23 @@ def test_a_recording_without_what_we_need_is_refused_by_its_name(foreign, made, 
 
 
 NO_MATROSKA = {
-    "empty": b"",
-    "text": b"hello\n" * 100,
-    "a picture": b"\xff\xd8\xff\xe0" + bytes(5000),
-    "an mp4": b"\0\0\0\x20ftypisom" + bytes(5000),
+    "empty": (b"", "is empty: copy or record it again"),
+    "text": (b"hello\n" * 100, "is not a Matroska file"),
+    "a picture": (b"\xff\xd8\xff\xe0" + bytes(5000), "is not a Matroska file"),
+    "an mp4": (b"\0\0\0\x20ftypisom" + bytes(5000), "is not a Matroska file"),
+    "a pointer": (
+        b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 91\n",
+        "is a Git LFS pointer .* run 'git lfs pull'",
+    ),
+    "a web page": (b"\n<!DOCTYPE html><html>...", "is a web page and not a recording"),
 }
 
 
-@pytest.mark.parametrize("content", NO_MATROSKA.values(), ids=NO_MATROSKA)
-def test_a_file_of_another_kind_is_refused(tmp_path, content):
+@pytest.mark.parametrize(("content", "says"), NO_MATROSKA.values(), ids=NO_MATROSKA)
+def test_a_file_of_another_kind_is_refused(tmp_path, content, says):
     path = tmp_path / "other.mkv"
     path.write_bytes(content)
-    with pytest.raises(UserError, match="is not a Matroska file"):
+    with pytest.raises(UserError, match=says):
         Recording(path, realtime=False, loop=False)
 
 
@@ -184,6 +194,14 @@ def test_a_missing_file_and_a_folder_have_different_errors(tmp_path):
         Recording(tmp_path / "nowhere.mkv", realtime=False, loop=False)
     with pytest.raises(UserError, match="is a folder"):
         Recording(tmp_path, realtime=False, loop=False)
+
+
+@pytest.mark.parametrize("start_ms", [0, 95_000, 90 * 60_000, 40 * 365 * 86_400_000, -5_000])
+def test_time_may_start_anywhere(foreign, start_ms):
+    times_ms = (start_ms, start_ms + 33, start_ms + 66)
+    frames = play(foreign(times_ms=times_ms))
+    assert np.diff([frame.time_us for frame in frames]).tolist() == [33_000, 33_000]
+    assert all(isinstance(frame, Frame) for frame in frames)
 
 
 BAD_CAPTURES = {

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import codecs
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 from filelock import FileLock
+from platformdirs import user_cache_path, user_data_path
+
+from halo_service.errors import UserError
 
 
 @contextmanager
@@ -44,6 +47,30 @@ def followed(path: Path) -> Path:
 def from_home(path: str) -> Path:
     """Return a path with `~` expanded, for what comes from no shell; unknown users stay."""
     return Path(os.path.expanduser(path))  # noqa: PTH111 - Path's own raises for unknown users
+
+
+def cache_folder() -> Path:
+    """Return where this user's downloads and simulated recordings are. Raises `UserError`."""
+    return _user_folder(user_cache_path, "XDG_CACHE_HOME")
+
+
+def data_folder() -> Path:
+    """Return where this user's profiles are. Raises `UserError`."""
+    return _user_folder(user_data_path, "XDG_DATA_HOME")
+
+
+def _user_folder(find: Callable[..., Path], variable: str) -> Path:
+    """Return a folder of the user; containers and services run users that have no home."""
+    try:
+        path = find("halo-service", appauthor=False)
+    except RuntimeError:
+        path = Path()
+    home = os.environ.get("HOME", "/") if os.name == "posix" else "/"
+    if not path.is_absolute() or not (home.startswith("/") or os.environ.get(variable)):
+        raise UserError(
+            f"this user has no home folder; set HOME or {variable} to a folder that can be written"
+        )
+    return path
 
 
 def is_special(path: Path) -> bool:

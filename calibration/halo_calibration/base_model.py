@@ -10,11 +10,10 @@ import logging
 from pathlib import Path
 
 import numpy as np
-from platformdirs import user_data_path
 
 from halo_calibration.solvers.correction import Base
 from halo_service.errors import UserError
-from halo_service.files import from_home, read_text
+from halo_service.files import data_folder, from_home, read_text
 
 log = logging.getLogger(__name__)
 
@@ -29,8 +28,7 @@ KNOWN = 5
 
 def pilot_path(camera_serial: str) -> Path:
     """Return where a camera's own base model lives."""
-    folder = user_data_path("halo-service", appauthor=False) / "bases"
-    return folder / f"{camera_serial}.txt"
+    return data_folder() / "bases" / f"{camera_serial}.txt"
 
 
 def choose_base(wanted: str, camera_serial: str) -> Base | None:

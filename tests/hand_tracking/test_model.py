@@ -68,7 +68,19 @@ def test_processes_that_start_together_all_get_the_whole_model(tmp_path):
 
 
 BAD_FETCHES = {
-    "offline": ("sys.exit('no route to host')", "could not be downloaded"),
+    "offline": (
+        "sys.exit('no route to host')",
+        "could not be downloaded (no route to host); connect to the network",
+    ),
+    "settings of pip": (
+        "print('Looking in indexes')\nprint(\"ERROR: Can not combine '--user' and '--target'\")\n"
+        "sys.exit(1)",
+        "could not be downloaded (ERROR: Can not combine '--user' and '--target'); connect",
+    ),
+    "offline uv": (
+        "sys.exit('error: Failed to fetch\\n  Caused by: Network connectivity is disabled')",
+        "(error: Failed to fetch; Caused by: Network connectivity is disabled); connect",
+    ),
     "something else": (
         "folder = Path(sys.argv[sys.argv.index('--target') + 1]) / 'mediapipe/modules'\n"
         "for name in ('palm_detection/palm_detection', 'hand_landmark/hand_landmark'):\n"
@@ -96,8 +108,7 @@ def test_a_download_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, scri
     last = done.stderr.splitlines()[-1]
     assert message in last
     assert "set `tracking.model` in halo.toml" in last
-    assert "--target" not in done.stderr
-    assert "no route to host" not in done.stderr
+    assert "--no-deps" not in done.stderr
     assert "Traceback" not in done.stderr
     assert list(cache.glob("halo-service/*")) == []
 
@@ -109,7 +120,27 @@ def test_the_installers_own_output_is_in_the_debug_log(tmp_path, monkeypatch, ca
     with caplog.at_level("DEBUG", logger="halo_service"), pytest.raises(UserError) as caught:
         model.hand_model(None)
     assert "no route to host" in caplog.text
-    assert str(caught.value).startswith("the hand model could not be downloaded; connect to")
+    assert str(caught.value).startswith("the hand model could not be downloaded (no route to host)")
+
+
+@posix
+@pytest.mark.parametrize(
+    "setting", ["PIP_USER", "PIP_REQUIRE_HASHES", "UV_OFFLINE", "UV_REQUIRE_HASHES"]
+)
+def test_settings_for_other_packages_do_not_prevent_the_download(tmp_path, monkeypatch, setting):
+    script = (
+        "import os, json\n"
+        f"if {setting!r} in os.environ: sys.exit('error: it forbids this')\n"
+        "assert os.environ['UV_DEFAULT_INDEX'] == 'ours'\n"
+        f"Path({str(tmp_path)!r}, 'done').touch()"
+    )
+    monkeypatch.setenv("UV", installer(tmp_path, script))
+    monkeypatch.setenv("UV_DEFAULT_INDEX", "ours")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv(setting, "1")
+    with pytest.raises(UserError, match="is not the tested one"):  # of an empty package
+        model.hand_model(None)
+    assert (tmp_path / "done").exists()
 
 
 @posix

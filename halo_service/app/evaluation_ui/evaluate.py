@@ -12,8 +12,6 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
-from platformdirs import user_cache_path
-
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
 from halo_service.errors import UserError
@@ -25,6 +23,7 @@ from halo_service.evaluation.study.judge import judge_recording, read_lines
 from halo_service.evaluation.study.plan import Plan, Task, User
 from halo_service.evaluation.study.run import StudyRequest, run, work_s
 from halo_service.evaluation.study.simulate import Tracker
+from halo_service.files import cache_folder
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
@@ -61,7 +60,7 @@ def evaluate(settings: Settings, options: StudyOptions) -> tuple[Result, ...]:
     """Run the study, with a progress bar; raises `UserError` for a wrong request."""
     tracker = _tracker(settings.tracking)
     cache = RecordingCache(
-        options.cache or user_cache_path("halo-service", appauthor=False) / "recordings",
+        options.cache or cache_folder() / "recordings",
         partial(looking, settings.tracking),
         tracker,
         not options.cached_only,

@@ -6,10 +6,20 @@ import os
 import shutil
 import signal
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import platformdirs
 import pytest
+
+if sys.dont_write_bytecode:
+    # Without compiled files, each program that a test starts compiles its packages again, for
+    # seconds. Keep them, but outside the folders of the environment and of the repository.
+    sys.dont_write_bytecode = False
+    sys.pycache_prefix = str(platformdirs.user_cache_path("halo-service") / "compiled")
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 from halo_service.app.process import use_one_thread_each
 

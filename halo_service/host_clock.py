@@ -50,6 +50,11 @@ class HostClock:
             self._follow(now_ns, self._unix_ns() - now_ns)
             return (now_ns + round(self._offset_ns)) // 1000
 
+    def check(self) -> tuple[int, float]:
+        """Read the clocks; return `jumps` and `error_ms` as of now."""
+        self.unix_us()
+        return self.jumps, self.error_ms
+
     @property
     def error_ms(self) -> float:
         """The host's Unix time minus this clock's, as of the last read."""

@@ -7,6 +7,7 @@ it answers at once, and it ends when the pipe does: with its parent, whatever be
 from __future__ import annotations
 
 import json
+import logging
 import os
 import signal
 from contextlib import nullcontext
@@ -21,6 +22,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import cv2  # after the environment above
 import numpy as np
 
+from halo_service import host_clock
 from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 from halo_service.virtual import truth
@@ -48,6 +50,8 @@ def run(
     # Ctrl-C reaches the whole process group; the parent ends this process.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
+    # The service notices a set clock itself, and logs it.
+    logging.getLogger(host_clock.__name__).setLevel(logging.ERROR)
     cv2.setNumThreads(1)
     memory = SharedMemory(memory_name)
     camera = factory(request.room.device, request.room.mode)

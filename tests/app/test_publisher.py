@@ -9,9 +9,11 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.service.publisher import Publisher
+from halo_service.host_clock import HostClock
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.profile import Anchor, Profile, Projector
+from halo_service.runtime.health import Health
 from halo_service.sensing import SensingSettings, start
 from halo_service.values import TouchFrame
 
@@ -91,3 +93,20 @@ def test_a_carrier_that_fails_does_not_stop_the_others(camera, caplog) -> None:
     assert [each.getMessage() for each in caplog.records if each.exc_info] == [
         "output Broken failed: RuntimeError: no route; this kind of error is logged once"
     ]
+
+
+def test_health_reads_the_hosts_clock_also_where_no_source_does(
+    camera, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unix_ns = [10**18]
+    clock = HostClock(lambda: unix_ns[0], lambda: 0)
+    monkeypatch.setattr("halo_service.app.service.publisher.CLOCK", clock)
+    heard = Heard()
+    publisher = Publisher(FrameEncoder("desk", "s1", 0), [heard], "virtual", camera, "table")
+    current = Health(30.0, 1.0, 0, 0, "off", "running", -1.0)
+    publisher.health(current)
+    assert (heard.messages["health"].clock_jumps, heard.messages["health"].clock_error_ms) == (0, 0)
+    unix_ns[0] -= 30 * 10**9
+    publisher.health(current)
+    assert heard.messages["health"].clock_jumps == 1
+    assert heard.messages["health"].clock_error_ms == -30_000.0

@@ -96,6 +96,7 @@ class Publisher:
 
     def health(self, current: Health) -> None:
         """Send the health of the service."""
+        jumps, error_ms = CLOCK.check()
         health = wire.Health(
             self._frames.node,
             self._frames.session,
@@ -106,8 +107,8 @@ class Publisher:
             wire.Tracker[current.tracker.upper()],
             wire.Camera[current.camera.upper()],
             current.tracker_ms,
-            CLOCK.jumps,
-            CLOCK.error_ms,
+            jumps,
+            error_ms,
             wire.ProfileFit[self._fit().upper()],
         )
         self._send(OutgoingReport(self._surface, health))

@@ -17,7 +17,7 @@ from halo_service.virtual import scene
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import MODES
 from halo_service.virtual.exposure import SHARP_PX, smear
-from halo_service.virtual.mesh import Floats, Ints
+from halo_service.virtual.mesh import Floats, Ints, lengths
 from halo_service.virtual.props import SOLID
 from halo_service.virtual.render import rasterise
 from halo_service.virtual.room import Room
@@ -105,7 +105,7 @@ class DepthImager:
         points = self._surface.to_camera(body.vertices)
         seen = rasterise(self._lens, points, body.faces)
         normals = body.normals @ self._surface.camera_from_surface[:3, :3].T
-        facing = -np.einsum("ij,ij->i", normals, points) / np.linalg.norm(points, axis=1)
+        facing = -np.einsum("ij,ij->i", normals, points) / lengths(points)
         shine = body.infrared * np.clip(facing, GRAZING, 1.0)
         at_pixel = seen.mix(np.stack([points[:, 2], shine]).astype(np.float32))
         behind = into.depth.ravel().take(seen.pixel) - into.late.ravel().take(seen.pixel)

@@ -45,6 +45,12 @@ class Mesh:
     """(V, B), each row adds up to 1."""
 
 
+def lengths(vectors: Floats) -> Floats:
+    """(N,) of (N, 3); several times faster than `np.linalg.norm` over three columns."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + (y * y + z * z)), dtype=np.float64)
+
+
 def capsule_distances(capsules: list[Capsule], points: Floats) -> Floats:
     """(N, C) signed distances of (N, 3) points to each capsule, mm."""
     columns = []

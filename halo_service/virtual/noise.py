@@ -111,7 +111,7 @@ class Electronics:
 
     def _turned(self, rng: np.random.Generator) -> float:
         """The room's share of the noise, of either sign: what is drawn twice stays independent."""
-        return float(rng.choice((-1.0, 1.0)) * self._times)
+        return (-1.0, 1.0)[rng.integers(2)] * float(self._times)
 
     def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16 counts, 65535 where it saturates."""

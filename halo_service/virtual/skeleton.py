@@ -13,7 +13,7 @@ import numpy as np
 
 from halo_service.values import Finger, Side
 from halo_service.virtual.anatomy import ARM, BONES, PLANS, bone_of, hand_mesh, joints, nail_count
-from halo_service.virtual.mesh import Floats, Ints
+from halo_service.virtual.mesh import Floats, Ints, lengths
 
 Angles = tuple[float, float, float]
 
@@ -181,7 +181,7 @@ def posed(user: User, pose: HandPose, velocity_mm_s: Floats | None = None) -> Po
         faces = faces[:, ::-1]
     rotation, origin = pose.surface_from_hand[:3, :3], pose.surface_from_hand[:3, 3]
     normals = normals @ rotation.T
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= lengths(normals)[:, None]
     radii = np.array([PLANS[finger].radii for finger in Finger]) * user.girth * user.size
     vertices = vertices * user.size @ rotation.T + origin
     if user.nail_over_mm > 0.0:  # a nail that meets the table goes no deeper than the pad

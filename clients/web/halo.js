@@ -87,7 +87,10 @@ export class Session {
       (this.follow.surface ?? event.surface) === event.surface;
     if (this.follow.everything) return matches;
     if (event.kind === "lost") return this.acceptsLoss(event);
-    if (event.kind !== "frame") return this.current ? samePlace(this.current, event) : matches;
+    if (event.kind === "collision")
+      return this.current ? samePlace(this.current, event) : matches;
+    // A report of another session is of a service with the same name: it must not move a picture.
+    if (event.kind !== "frame") return this.current ? same(this.current, event) : matches;
     const free = !this.current && !this.retired.some((old) => same(old, event));
     if (free && matches) this.current = placeOf(event);
     return this.current !== null && same(this.current, event);

@@ -8,18 +8,23 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
+from collections import deque
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
 from halo_drums.bank import make_bank
+from halo_drums.errors import MidiError, SoundError
 from halo_drums.kit import KIT, Pad, Settings, mirrored
 from halo_drums.player import Gesture, Player
 from halo_protocol import TouchFrame
-from halo_window import Stage, StageError, add_stage_options, listen
+from halo_window import StageError, add_stage_options, listen
+
+if TYPE_CHECKING:
+    from halo_window import Stage
 
 NAME = "halo-drums"
 DESCRIPTION = "Drums on any table: tap with one hand, shape the sound with the other."
@@ -37,6 +42,10 @@ examples:
 """
 
 
+MOST_SHOWN = 256
+"""Gestures that wait for the next picture."""
+
+
 class Instrument(Protocol):
     """The speakers or a MIDI port."""
 
@@ -50,9 +59,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
     kit = mirrored(KIT) if options.left_handed else KIT
     settings = Settings(low_mm=options.low, high_mm=options.high)
-    from halo_drums.midi import MidiError
-    from halo_drums.speakers import SoundError
-
     try:
         if options.render or options.picture:
             return _render(options, kit, settings)
@@ -107,7 +113,6 @@ def _parser() -> argparse.ArgumentParser:
 
 def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
     from halo_drums.render import render, write_wav
-    from halo_drums.view import write_picture
 
     source = halo_client.parse_source(options.source)
     if not isinstance(source, FileSource):
@@ -117,6 +122,8 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
         write_wav(options.render, render(frames, kit, settings))
         print(f"{NAME}: wrote {options.render}")
     if options.picture:
+        from halo_drums.view import write_picture
+
         player = Player(kit, settings)
         gestures = [gesture for frame in frames for gesture in player.process(frame)]
         write_picture(options.picture, kit, gestures)
@@ -125,6 +132,8 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
 
 
 def _play(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Settings) -> int:
+    from halo_window import Stage
+
     with ExitStack() as stack:
         receiver = stack.enter_context(halo_client.connect(options.source))
         instrument = _instrument(options, kit, settings, stack)
@@ -161,19 +170,24 @@ def _run(
     from halo_drums.view import View
 
     view = View(kit)
+    sounding: deque[tuple[Gesture, float]] = deque(maxlen=MOST_SHOWN)
 
     def on_frame(frame: TouchFrame, now_s: float) -> None:
         for gesture in player.process(frame):
             instrument.send(gesture)
-            view.update(gesture, now_s)
+            sounding.append((gesture, now_s))
 
     def draw(now_s: float, note: str) -> None:
+        while sounding:
+            view.update(*sounding.popleft())
         if stage is not None:
             stage.pressed()
-            view.draw(stage.screen, stage.placed(receiver.services), now_s, note)
+            placed = stage.placed(receiver.services, receiver.following)
+            view.draw(stage.screen, placed, now_s, note)
             stage.show()
 
-    listen(NAME, receiver, stage, on_frame, draw)
+    # Hits must sound also while the user drags the window, which stops its thread.
+    listen(NAME, receiver, stage, on_frame, draw, at_once=True)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import miniaudio
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_drums.errors import SoundError
 from halo_drums.mixer import Mixer
 from halo_drums.player import Gesture
 from halo_drums.quiet import quiet
@@ -30,10 +31,6 @@ LATENCY_S = PERIODS * PERIOD_MS / 1000
 """Longest time that a hit waits for buffered sound."""
 SWITCH_S = 0.0005
 """Python's thread switch interval; its default of 5 ms is a whole block."""
-
-
-class SoundError(Exception):
-    """The sound device cannot be opened. The message is for the user."""
 
 
 class Speakers:

@@ -69,7 +69,9 @@ class App:
         self._receiver, self._stage, self._painter = receiver, stage, painter
         self._folder = folder
         self._fingers: tuple[Pointer, ...] = ()
-        self._view = View(stage.screen.get_size(), stage.placed(receiver.services))
+        self._view = View(
+            stage.screen.get_size(), stage.placed(receiver.services, receiver.following)
+        )
         self._note, self._note_s = "", 0.0
 
     def run(self) -> None:
@@ -101,7 +103,8 @@ class App:
 
     def _fit(self) -> None:
         """Redraw everything if the window or the homography has changed."""
-        size, placed = self._stage.screen.get_size(), self._stage.placed(self._receiver.services)
+        size = self._stage.screen.get_size()
+        placed = self._stage.placed(self._receiver.services, self._receiver.following)
         if (size, placed) != (self._view.size, self._view.placed):
             self._painter.size_mm = (placed.width_mm, placed.height_mm)
             self._view = View(size, placed)

@@ -62,7 +62,8 @@ class Follower:
     def accepts(self, event: Event) -> bool:
         """Whether to report an event."""
         if isinstance(event, Report):
-            return self._reports(event.message.node, event.surface)
+            ours = self._reports(event.message.node, event.surface)
+            return ours and not self.is_clone(event)
         if isinstance(event, Collision):
             return self._reports(event.node, event.surface)
         key = (event.node, event.surface, event.session)
@@ -71,6 +72,14 @@ class Follower:
         if isinstance(event, TouchFrame):
             return self._accepts_frame(key)
         return self._accepts_loss(key)
+
+    def is_clone(self, report: Report) -> bool:
+        """Whether a report is of another service with the name of the one that is followed."""
+        if self.current is None or self._follow.everything:
+            return False
+        node, surface, session = self.current
+        named = (report.message.node, report.surface) == (node, surface)
+        return named and report.message.session != session
 
     def _reports(self, node: str, surface: str) -> bool:
         if self.current is None or self._follow.everything:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
+from halo_client.follow import Key
 from halo_protocol import Health, Homography, Lost, Pose, Report, Scene
 
 Where = tuple[str, str]
@@ -48,6 +49,15 @@ class KnownServices:
         for reports in (self.scenes, self.homographies, self.poses, self.healths):
             if where in reports and reports[where].session == lost.session:
                 del reports[where]
+
+    def placing(self, following: Key | None) -> tuple[Scene | None, Homography | None]:
+        """Return scene and homography of one service, so that another one moves no picture.
+
+        `following`: its node, surface and session; None: the service with the newest scene.
+        """
+        newest = next(reversed(list(self.scenes)), ("", ""))
+        where = newest if following is None else following[:2]
+        return self.scenes.get(where), self.homographies.get(where)
 
     def _remove_outdated(self, where: Where, scene: Scene) -> None:
         for reports in (self.homographies, self.poses):

@@ -228,7 +228,7 @@ class Receiver:
             self.losses.incomplete += not event.complete
         elif isinstance(event, Lost):
             self.services.forget(event)
-        elif isinstance(event, Report):
+        elif isinstance(event, Report) and not self._follower.is_clone(event):
             self.services.update(event)
 
     def __enter__(self) -> Self:

@@ -13,16 +13,14 @@ from typing import Self
 import pygame
 
 from halo_client import KnownServices, PictureTransform
+from halo_client.follow import Key
 from halo_client.picture import HEIGHT_MM, WIDTH_MM
+from halo_window.errors import StageError
 
 SIZE = (1200, 800)
 MARGIN = 0.02
 WITHOUT_DISPLAY = ("dummy", "offscreen")
 """SDL's fallback drivers without a screen; accepted only if SDL_VIDEODRIVER names one."""
-
-
-class StageError(Exception):
-    """There is no display. The message is for the user."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +37,8 @@ class Stage:
 
     def __init__(self, title: str, full_screen: bool = False, display: int = 0) -> None:
         try:
+            # On a scaled desktop of Windows, sizes are then pixels of the projector.
+            os.environ.setdefault("SDL_WINDOWS_DPI_AWARENESS", "permonitorv2")
             pygame.display.init()
             pygame.font.init()
             if (
@@ -75,12 +75,14 @@ class Stage:
         self.screen = pygame.display.get_surface() or self.screen
         return pressed
 
-    def placed(self, known: KnownServices) -> Placed:
-        """Return the place of the surface, by the newest scene and homography."""
-        scene = next(reversed(known.scenes.values()), None)
+    def placed(self, known: KnownServices, following: Key | None = None) -> Placed:
+        """Return the place of the surface, by scene and homography of the service that is followed.
+
+        `following`: see `Receiver.following`; None: the service with the newest report.
+        """
+        scene, homography = known.placing(following)
         size = (scene.width_mm, scene.height_mm) if scene else (WIDTH_MM, HEIGHT_MM)
         width, height = self.screen.get_size()
-        homography = next(reversed(known.homographies.values()), None)
         if self._full_screen and homography is not None:
             return Placed(PictureTransform.projected(homography, width, height), *size)
         margin = 0.0 if self._full_screen else MARGIN * height

@@ -93,7 +93,8 @@ class Display:
 
 def _run(pipe: Connection, number: int, full_screen: bool) -> None:
     """Run in the other process: show what comes through the pipe, until it ends."""
-    from halo_window import Stage, StageError  # before pygame: it silences the greeting of pygame
+    # Before pygame: it silences the greeting of pygame.
+    from halo_window import Stage, StageError
 
     # Ctrl-C reaches all processes of the group; our parent ends this one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

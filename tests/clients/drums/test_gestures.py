@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import random
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,8 +14,9 @@ import pytest
 
 import halo_client
 from halo_client import FileSource
+from halo_drums.errors import MidiError
 from halo_drums.kit import KIT, Settings, mirrored, pad_at
-from halo_drums.midi import MidiError, MidiOut, Notes
+from halo_drums.midi import MidiOut, Notes
 from halo_drums.player import UNKNOWN_LEVEL, Hit, Player, Press, Release, Shape
 from halo_protocol import Assembler, Frame, TouchFrame, encode_frame, event_to_json
 
@@ -194,3 +197,67 @@ def test_a_missing_midi_port_gives_one_sentence() -> None:
         MidiOut("no such sampler")
     assert "MIDI" in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+class Port:
+    """A MIDI port that may die."""
+
+    def __init__(self) -> None:
+        self.sent: list[list[int]] = []
+        self.dead = False
+
+    def send(self, message: Any) -> None:
+        if self.dead:
+            raise OSError("the port was closed")
+        self.sent.append(message.bytes())
+
+    def reset(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class Samplers:
+    """MIDI ports that come and go."""
+
+    def __init__(self) -> None:
+        self.names = ["Midi Through 14:0", "FLUID Synth (321) 128:0"]
+        self.opened: dict[str, Port] = {}
+
+    def get_output_names(self) -> list[str]:
+        return list(self.names)
+
+    def open_output(self, name: str) -> Port:
+        self.opened[name] = Port()
+        return self.opened[name]
+
+
+@pytest.mark.parametrize("reported", [True, False], ids=["send fails", "nothing reports it"])
+def test_a_midi_port_that_dies_comes_back(
+    wire: Any, caplog: pytest.LogCaptureFixture, reported: bool
+) -> None:
+    ports = Samplers()
+    (hit,) = gestures_of([wire.frame(0, downs=(wire.down(at=KICK, strike_mm_s=500.0),))])
+    note = [[0x99, 36, 127]]
+    with MidiOut("fluid", ports, look_s=0.01) as midi:
+        midi.send(hit)
+        first = ports.opened["FLUID Synth (321) 128:0"]
+        assert first.sent == note
+        ports.names = ports.names[:1]
+        first.dead = reported
+        midi.send(hit)  # no error, whatever happens
+        wait_for(lambda: "is lost" in caplog.text)
+        midi.send(hit)
+        ports.names = [*ports.names, "FLUID Synth (400) 129:0"]
+        wait_for(lambda: "is back" in caplog.text)
+        midi.send(hit)
+        assert ports.opened["FLUID Synth (400) 129:0"].sent == note
+    assert first.sent[0] == note[0]
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    until = time.monotonic() + 10.0
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.005)

@@ -58,6 +58,9 @@ def service(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Service]:
     monkeypatch.setattr("halo_service.app.service.commands.profile_path", tmp_path.joinpath)
+    # Both threads look rarely whether they should end, and are ended here 34 times.
+    monkeypatch.setattr("halo_service.app.service.profile_reloader.LOOK_S", 0.02)
+    monkeypatch.setattr("halo_service.outputs.control.WAKE_S", 0.02)
     for name, camera in (("desk", "A1"), ("lamp", "A1"), ("other", "B2")):
         made_with = replace(profile.camera, serial=camera)
         save(replace(profile, name=name, camera=made_with), tmp_path / name)

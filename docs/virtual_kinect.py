@@ -201,13 +201,13 @@ def colour(level: float) -> str:
 
 def table(findings: Sequence[Finding], head: tuple[str, str]) -> str:
     """Lines of Markdown."""
-    rows = [f"| {head[0]} | {head[1]} | wanted | measured | holds |", "|---|---|---|---|---|"]
+    rows = [f"| {head[0]} | {head[1]} | expected | measured | holds |", "|---|---|---|---|---|"]
     for finding in findings:
         s = finding.statement
-        wanted = f"≥ {s.least:g}" if s.most == float("inf") else f"{s.least:g} to {s.most:g}"
+        expected = f"≥ {s.least:g}" if s.most == float("inf") else f"{s.least:g} to {s.most:g}"
         verdict = "yes" if finding.holds else "**no**"
         measured = f"{finding.value:.3g} {s.unit}".strip()
-        rows.append(f"| {s.says} | {s.where} | {wanted} | {measured} | {verdict} |")
+        rows.append(f"| {s.says} | {s.where} | {expected} | {measured} | {verdict} |")
     return "\n".join(rows)
 
 

@@ -25,7 +25,7 @@ NAIL_COLOUR = (0.72, 0.74, 0.92)
 CLOTH_COLOUR = (0.35, 0.22, 0.18)
 """A blue sleeve, chosen."""
 CLOTH_MM = 6.0
-"""How far a sleeve stands off the arm, chosen."""
+"""Distance of a sleeve from the arm, chosen."""
 
 Reflectance = NDArray[np.float32]
 
@@ -60,7 +60,7 @@ def offset_mm(user: User) -> Reflectance:
 
 @functools.lru_cache(maxsize=8)
 def cloth_mm(user: User) -> Reflectance:
-    """(V,) how far the surface stands off the skin."""
+    """(V,) distance of the cloth from the skin."""
     return (CLOTH_MM * _sleeve(user)).astype(np.float32)
 
 

@@ -1,6 +1,6 @@
 """The colour camera: room light, projected light, exposure.
 
-Rule: as the depth image, but for a lens that stands beside, in light that changes.
+Rule: as the depth image, but for the second lens, in light that changes.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ class ColourImager:
         self._projector = room.projector
         self._blur_px = room.blur_px / times
         light = max(room.light, 1e-3)
-        wanted = EXPOSURE_MS / light if room.exposure_ms is None else room.exposure_ms
-        self.exposure_ms = float(np.clip(wanted, SHORTEST_MS, LONGEST_MS))
+        exposure_ms = EXPOSURE_MS / light if room.exposure_ms is None else room.exposure_ms
+        self.exposure_ms = float(np.clip(exposure_ms, SHORTEST_MS, LONGEST_MS))
         self._room_gain = 255.0 * room.light * self.exposure_ms / EXPOSURE_MS
         self._throw_gain = room.projector.brightness * self.exposure_ms / EXPOSURE_MS
         self._show: Show | None = None
@@ -110,7 +110,7 @@ class ColourImager:
         return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_LINEAR), dtype=np.uint8)
 
     def _merged(self, picture: Picture) -> Picture:
-        """The picture as coarse as the lens sees it: a pixel takes the light of its whole area."""
+        """The picture as coarse as the lens sees it: a pixel averages the light of its area."""
         if self._thrown is None or self._thrown[0] is not picture:
             step = np.abs(np.diff(self._table.source[..., 0], axis=1))
             size = max(1, round(float(np.median(step))) | 1)  # odd, or it would shift the picture
@@ -119,7 +119,7 @@ class ColourImager:
         return self._thrown[1]
 
     def _furnished(self) -> _Lit:
-        """The table and what stands on it for good."""
+        """The table and what always is on it."""
         table = self._bare_table(self._room, self._show is not None)
         for name in self._room.props:
             if name in SOLID:
@@ -129,7 +129,7 @@ class ColourImager:
     def _bare_table(self, room: Room, thrown: bool) -> _Lit:
         view = scene.look(self._lens, self._from_surface)
         colour = scene.top(view, room).colour
-        # The lamp stands to the far left: the table is a little brighter there.
+        # The lamp is to the far left: the table is a little brighter there.
         lamp = 1.0 - 0.1 * np.tanh((view.x_mm + view.y_mm) / 600.0)[..., None]
         lit = np.clip(self._room_gain * lamp * colour, 0.0, 255.0).astype(np.uint8)
         if not thrown:

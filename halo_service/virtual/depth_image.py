@@ -42,7 +42,7 @@ class Ideal:
     covered: NDArray[np.uint8]
     """255 where a body is in front of the table."""
     late: Image
-    """mm that a body reads too far, already in `depth`; 0 beside the bodies."""
+    """mm that a body reads too far, already in `depth`; 0 where no body is."""
     moving: NDArray[np.uint8]
     """255 where a body is for a part of the exposure only."""
 

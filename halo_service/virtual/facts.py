@@ -1,4 +1,4 @@
-"""What is publicly known of the real sensor, beside what the virtual one does on its frames.
+"""What is publicly known of the real sensor, next to what frames of the virtual one show.
 
 Rule: each row is a fact, its source, how it is measured on frames, and the range in which it
 holds. As in `statements`: where one does not hold, the table says so.
@@ -165,13 +165,13 @@ def _beside_a_block(height_mm: float, camera_mm: float) -> tuple[Depth, Depth, i
 
 
 def _stray_mm(px: int) -> float:
-    """How much nearer the table reads beside a block of 300 mm."""
+    """How much nearer the table reads next to a block of 300 mm."""
     excess, _, edge = _beside_a_block(300.0, 1000.0)
     return -float(excess[edge - px])
 
 
 def _under_a_palm_mm() -> float:
-    """How much nearer the table reads 10 px beside a block of a palm's size, 60 mm high."""
+    """How much nearer the table reads 10 px next to a block of a palm's size, 60 mm high."""
     room = replace(QUIET, camera_height_mm=500.0)
     x, y, width, long = WIDTH_MM / 2.0 - 85.0, HEIGHT_MM / 2.0 - 50.0, 85.0, 100.0
     before, after = (
@@ -307,7 +307,7 @@ FACTS = (
     ),
     *(
         Statement(
-            f"stray light, {px} px beside 300 mm",
+            f"stray light, {px} px next to 300 mm",
             SOFTKINETIC,
             functools.partial(_stray_mm, px),
             "mm",
@@ -317,7 +317,7 @@ FACTS = (
         for px, value in PUBLISHED_STRAY_MM.items()
     ),
     Statement(
-        "stray light, 10 px beside a palm's size 60 mm up",
+        "stray light, 10 px next to a palm's size 60 mm up",
         SOFTKINETIC,
         _under_a_palm_mm,
         "mm",
@@ -342,7 +342,7 @@ FACTS = (
         7.0,
     ),
     Statement(
-        "the illuminator's shadow beside 100 mm",
+        "the illuminator's shadow next to 100 mm",
         "OrbbecSDK #114, OrbbecSDK_v2 #145",
         _shadow_px,
         "px",

@@ -1,7 +1,7 @@
 """The virtual camera as a live source, in a process of its own.
 
 Rule: this side only waits and copies. Frames come through a small ring in shared memory, the
-newest wins, and whoever is slow misses some, as with a real device. The other side stands in
+newest wins, and whoever is slow misses some, as with a real device. The other side is in
 `worker`; it ends when this process does, however that happens.
 """
 

@@ -1,4 +1,4 @@
-"""What the table is made of.
+"""The materials of tables.
 
 `halo` scales the dent relative to plain paper. Order from the paper (4.5, 6.4): foam board gives
 significantly less halo, a suede sleeve much more, water makes no difference, what only mirrors
@@ -47,4 +47,4 @@ MATERIALS = {
     "mirror": Material(0.0, 0.12, (0.55, 0.55, 0.53), "plain", holes=0.35),
 }
 STUDIED = ("paper", "wood", "suede", "plastic", "foam")
-"""The paper's five (5.2); a seed draws one of these, the others are asked for by name."""
+"""The paper's five (5.2); a seed draws one of these, the others are named in a source."""

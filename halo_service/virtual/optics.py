@@ -1,7 +1,7 @@
 """What happens to light between a body and a pixel: motion, edges, stray light, shadow.
 
-Rule: each function changes an ideal image as one published effect of the sensor does; its
-parameters and their sources stand in `sensor_model`. Boxes keep the work near the bodies.
+Rule: each function changes an ideal image as one published effect of the sensor does;
+`sensor_model` has the parameters and their sources. Boxes keep the work near the bodies.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def soften_edges(
 
 
 def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) -> None:
-    """Let what lies beside a raised thing read nearer, in place."""
+    """Let what lies next to a raised thing read nearer, in place."""
     times = px_times(lens)
     box = _around(ideal.covered, round(3.0 * LONG_PX * times)) if model.stray_light else None
     if box is None:
@@ -83,7 +83,7 @@ def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) 
 def cast_shadow(
     ideal: Ideal, table: Image, model: SensorModel, lens: Lens, rng: np.random.Generator
 ) -> tuple[Box, NDArray[np.bool_]] | None:
-    """Darken what the illuminator does not reach beside a body, in place; it reads late, or
+    """Darken what the illuminator does not reach next to a body, in place; it reads late, or
     nothing: return where."""
     box = _around(ideal.covered, WIDEST_SHADOW_PX, 0) if model.illuminator_mm else None
     if box is None:

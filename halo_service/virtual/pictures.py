@@ -101,7 +101,7 @@ def show(name: str, width: int, height: int) -> Show:
 
 
 def _movie(name: str, width: int, height: int) -> Show:
-    """At most ten seconds of a video, over and over; kept at a quarter of the size each way."""
+    """At most ten seconds of a video, over and over; stored at a quarter of the size each way."""
     film = cv2.VideoCapture(name)
     frames: list[Picture] = []
     while len(frames) < 10 * MOVIE_FPS:

@@ -23,7 +23,7 @@ class Projector:
     x_mm: float = 260.0
     y_mm: float = 40.0
     height_mm: float = 560.0
-    """Of the lens: beside the camera, as in the paper's setup (5.1). Off the middle, so the
+    """Of the lens: next to the camera, as in the paper's setup (5.1). Off the middle, so the
     picture on the table is a keystone."""
     aim_mm: tuple[float, float] = (150.0, 100.0)
     """Where its axis meets the table."""

@@ -69,8 +69,8 @@ def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
 def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
     """Columns and rows, px, and depths, mm; depth 0 for what the lens does not see.
 
-    The same numbers as `Lens.project`, whose OpenCV function spends most of its time on
-    derivatives.
+    The same numbers as `Lens.project`, which calls OpenCV: its function spends most of its time
+    on derivatives.
     """
     x, y, z = points.T
     seen = (z > 0.0) & (x * x + y * y < (WIDEST * z) ** 2)
@@ -99,11 +99,11 @@ def _towards(x: Pixels, y: Pixels, z: Pixels, corners: Ints) -> Ints:
     # Twice the signed area: what turns its back to the camera has the other sign (y is down).
     area: Pixels = (xb - xa) * (yc - ya) - (yb - ya) * (xc - xa)
     nearest = np.minimum(np.minimum(za, zb), zc)
-    kept = np.flatnonzero((area < -1e-6) & (nearest > NEAR_MM))
-    depth = (za + (zb + zc)).take(kept)
+    visible = np.flatnonzero((area < -1e-6) & (nearest > NEAR_MM))
+    depth = (za + (zb + zc)).take(visible)
     # Bits of positive floats have their order. With the face's number below them, a plain sort
     # keeps the order of equal ones, and is several times faster than a stable one.
-    keys = (-depth.view(np.int32)).astype(np.int64) << 32 | kept
+    keys = (-depth.view(np.int32)).astype(np.int64) << 32 | visible
     keys.sort()
     far_first: Ints = keys & 0xFFFFFFFF
     return corners.take(far_first, axis=1)
@@ -136,8 +136,8 @@ def _spans(lens: Lens, xs: Pixels, ys: Pixels) -> tuple[Ints, Ints, Ints, Ints]:
         np.minimum(right, before.take(face) + along, out=right)
     first = np.ceil(np.minimum(left, lens.width)).astype(np.int64)
     last = np.floor(np.maximum(right, -1.0)).astype(np.int64)
-    kept = np.flatnonzero(first <= last)
-    return face.take(kept), row.take(kept), first.take(kept), last.take(kept)
+    visible = np.flatnonzero(first <= last)
+    return face.take(visible), row.take(visible), first.take(visible), last.take(visible)
 
 
 def _shares(xs: Pixels, ys: Pixels, face: Ints, column: Ints, row: Ints) -> Pixels:

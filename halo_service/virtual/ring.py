@@ -1,6 +1,6 @@
 """A few frames in shared memory, the newest of them readable at any time.
 
-Rule: one writer, one reader, nobody waits. The writer marks a slot as torn (odd) before it writes
+Rule: one writer, one reader, no waiting. The writer marks a slot as torn (odd) before it writes
 and as whole (even) after; a reader that sees the mark change meanwhile throws its copy away.
 """
 

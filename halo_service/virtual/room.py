@@ -82,7 +82,7 @@ class Room:
 
     @property
     def surface_material(self) -> Material:
-        """What the table is made of."""
+        """The table's material."""
         return MATERIALS[self.material]
 
     def camera(self) -> Camera:

@@ -1,6 +1,6 @@
 """What is publicly known of the real sensor, one named parameter a fact.
 
-Rule: numbers and their sources; how each is drawn stands where it is drawn. `TRUE` has
+Rule: numbers and their sources; the code that draws each says how. `TRUE` has
 them all. `KIND` is a sensor with white noise and little else, for unit tests of what comes after.
 """
 
@@ -46,7 +46,7 @@ class SensorModel:
     moving_edge_loss: float = 0.95
     """The same where the edge moves: the device invalidates it (#789)."""
     stray_light: float = 1.0
-    """Times the stray light beside raised things: 3 % of the height at 10 px nearer (frames of
+    """Times the stray light next to raised things: 3 % of the height at 10 px nearer (frames of
     augcog/OpenARK_test; a SoftKinetic of 320x240, taken over pixel by pixel)."""
     illuminator_mm: float = 20.0
     """From the lens to the illuminator, to the right: raised things have a shadow on their left

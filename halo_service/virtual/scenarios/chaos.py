@@ -21,7 +21,7 @@ from halo_service.virtual.timeline import TimelineReader
 SLEEVE_MM = 45.0
 """How far a shirt's cuff ends above the wrist, chosen."""
 CUP_S = (20.0, 32.0)
-"""When a second mug stands on the table, and when it leaves; chosen."""
+"""When a second mug is on the table, and when it leaves; chosen."""
 
 
 def dressed(room: Room) -> Room:

@@ -34,6 +34,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 pytest_plugins = ["tests.drawn", "tests.clients.streams"]
 
 REPOSITORY = Path(__file__).parents[1]
+DRAWING = frozenset({"calibration", "hand_tracking", "sensing", "virtual"})
+"""Tests in these folders draw images, and take longer than others."""
 
 
 def pytest_xdist_auto_num_workers() -> int:
@@ -42,9 +44,9 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run files with slow tests first, so that all processes finish at about the same time."""
+    """Run slow files first, so that all processes finish at about the same time."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: item.path not in slow)
+    items.sort(key=lambda item: (item.path not in slow, DRAWING.isdisjoint(item.path.parts)))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from halo_service.errors import UserError
 
-SUMMARY = "try drums or paint without a camera: with a virtual hand"
+SUMMARY = "try drums or paint with a virtual hand instead of a camera"
 EXAMPLE = "halo demo drums"
 
 TICK_S = 0.1

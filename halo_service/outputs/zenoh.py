@@ -92,6 +92,8 @@ def _open(settings: ZenohSettings) -> zenoh.Session:
         _fill(config, "listen/endpoints", settings.listen, LISTEN)
         _fill(config, "connect/endpoints", settings.connect, ())
         _fill(config, "scouting/multicast/enabled", settings.multicast, False)
+        # Zenoh's own limit is 10 s for each address of a peer that cannot be reached.
+        _fill(config, "transport/unicast/open_timeout", None, 1000)
         return zenoh.open(config)
     except zenoh.ZError as error:
         listen, connect = (_endpoints(config, key) for key in ("listen", "connect"))

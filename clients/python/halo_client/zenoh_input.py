@@ -6,6 +6,10 @@ Rule: Zenoh's callback only appends samples to a bounded ring, so it never block
 from __future__ import annotations
 
 import json
+import logging
+import math
+import time
+from contextlib import suppress
 from typing import Any, Self
 
 import zenoh
@@ -16,37 +20,63 @@ from halo_client.source import ZenohSource
 from halo_protocol import ANY, zenoh_key
 
 _OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
+_LOG = logging.getLogger(__name__)
+_RETRY_S = 1.0
+"""Time between two tries to open a session."""
 _OTHERS = "halo/*/*/*/scene"
 """Scenes of any major version, so that a service of another one is reported."""
 
 
 class ZenohInput:
-    """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open."""
+    """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open.
+
+    A session of mode `client` opens only while its router runs: it is opened again and again until
+    then, and the user is told once.
+    """
 
     def __init__(self, source: ZenohSource) -> None:
         self._ring = Ring()
-        self._closed = False
-        try:
-            self._session = zenoh.open(zenoh_config(source))
-        except zenoh.ZError as error:
-            raise ClientError(_cannot_open(source, error)) from error
-        key = zenoh_key(source.follow.node, source.follow.surface, ANY)
-        self._subscriber = self._session.declare_subscriber(key, self._store)
-        self._foreign = self._session.declare_subscriber(_OTHERS, self._store_foreign)
+        self._source = source
+        self._open: tuple[zenoh.Session, list[zenoh.Subscriber[None]]] | None = None
+        self._tried_s = -math.inf
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
+        try:
+            self._try()
+        except zenoh.ZError as error:
+            if source.mode != "client":
+                raise ClientError(_cannot_open(source, error)) from error
+            _LOG.warning("%s; trying again until it answers", _cannot_open(source, error))
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         """The next payload and its key, or None after the timeout."""
+        if self._open is None:
+            with suppress(zenoh.ZError):
+                self._try()
         return self._ring.get(timeout_s)
 
     def close(self) -> None:
         """Undeclare, then close: an open subscriber can block a closing session. May be called
         twice."""
-        if not self._closed:
-            self._closed = True
-            self._subscriber.undeclare()
-            self._foreign.undeclare()
-            self._session.close()
+        if self._open is not None:
+            (session, subscribers), self._open = self._open, None
+            for subscriber in subscribers:
+                subscriber.undeclare()
+            session.close()
+        self._tried_s = math.inf
+
+    def _try(self) -> None:
+        """Open the session, unless the last try was a moment ago. Raises `ZError`."""
+        if time.monotonic() - self._tried_s < _RETRY_S:
+            return
+        self._tried_s = time.monotonic()
+        session = zenoh.open(zenoh_config(self._source))
+        follow = self._source.follow
+        key = zenoh_key(follow.node, follow.surface, ANY)
+        subscribers = [
+            session.declare_subscriber(key, self._store),
+            session.declare_subscriber(_OTHERS, self._store_foreign),
+        ]
+        self._open = session, subscribers
 
     def _store(self, sample: zenoh.Sample) -> None:
         self._ring.put(sample.payload.to_bytes(), str(sample.key_expr))
@@ -73,6 +103,9 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
         "scouting/gossip/enabled": source.multicast,
         # A service that starts later, or again, is found within a second.
         "connect/retry": {"period_init_ms": 250, "period_max_ms": 1000},
+        # A service at 0.0.0.0 names all of its interfaces. Zenoh's own limit is 10 s for each that
+        # cannot be reached.
+        "transport/unicast/open_timeout": 1000,
     }
     config = zenoh.Config()
     for key, value in settings.items():

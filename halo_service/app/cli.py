@@ -8,8 +8,9 @@ import signal
 import sys
 from collections.abc import Sequence
 
+from halo_service.app.logs import set_up_logging
 from halo_service.app.parser import parse
-from halo_service.app.process import use_one_thread_each
+from halo_service.app.process import endings, give_matplotlib_a_folder, use_one_thread_each
 from halo_service.errors import UserError
 
 STOPPED = 130
@@ -19,10 +20,13 @@ STOPPED = 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code."""
     options = parse(sys.argv[1:] if argv is None else list(argv))
-    _set_up_logging(logging.DEBUG if options.debug else logging.INFO)
+    level = logging.DEBUG if options.debug else logging.INFO
+    set_up_logging(level, getattr(options, "log_json", False))
     use_one_thread_each()
-    # Until a command handles it, SIGTERM unwinds as Ctrl-C does, so that nothing is left behind.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    give_matplotlib_a_folder()
+    # Until a command handles them, these unwind as Ctrl-C does, so that nothing is left behind.
+    for number in endings():
+        signal.signal(number, signal.default_int_handler)
     try:
         code = int(options.run(options))
         sys.stdout.flush()
@@ -41,15 +45,6 @@ def main(argv: Sequence[str] | None = None) -> int:
             return 0  # a service runs until somebody ends it
         print("\nhalo: stopped before the end; complete results are kept", file=sys.stderr)
         return STOPPED
-
-
-def _set_up_logging(level: int) -> None:
-    """Let our own modules log at this level, and libraries only their warnings."""
-    logging.basicConfig(format="halo: %(message)s", stream=sys.stderr)
-    for name in ("halo_service", "halo_calibration"):
-        logging.getLogger(name).setLevel(level)
-    # MediaPipe imports it for drawings that nobody asks for; in a read-only home it warns.
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from halo_service.app.commands import (
     demo,
     doctor,
     evaluate,
+    install_service,
     list_services,
     monitor,
     profile,
@@ -60,6 +61,7 @@ COMMANDS: dict[str, Command] = {
     "simulate": simulate,
     "evaluate": evaluate,
     "bench": bench,
+    "install-service": install_service,
     "conformance": conformance,
 }
 """In the order of the help text: what most users need first."""
@@ -149,7 +151,7 @@ def make_parser() -> Parser:
 
 
 def _epilog() -> str:
-    commands = [f"  {name:11}{command.SUMMARY}" for name, command in COMMANDS.items()]
+    commands = [f"  {name:16}{command.SUMMARY}" for name, command in COMMANDS.items()]
     return "\n".join(["commands:", *commands, "", FIRST_STEPS])
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import signal
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, MutableMapping
+from pathlib import Path
 from types import FrameType
 
 THREAD_VARIABLES = (
@@ -25,11 +29,41 @@ def use_one_thread_each() -> None:
         os.environ.setdefault(variable, "1")
 
 
+def give_matplotlib_a_folder(environment: MutableMapping[str, str] = os.environ) -> None:
+    """Let matplotlib, which MediaPipe imports, use a temporary folder where the home is read-only.
+
+    Otherwise it prints warnings at every start.
+    """
+    home = Path(environment.get("HOME", "/"))
+    if "MPLCONFIGDIR" in environment or os.name != "posix":
+        return
+    for variable, folder in (("XDG_CONFIG_HOME", ".config"), ("XDG_CACHE_HOME", ".cache")):
+        if not _can_create(Path(environment.get(variable) or home / folder) / "matplotlib"):
+            environment["MPLCONFIGDIR"] = tempfile.mkdtemp(prefix="halo-matplotlib-")
+            atexit.register(shutil.rmtree, environment["MPLCONFIGDIR"], ignore_errors=True)
+            return
+
+
+def _can_create(folder: Path) -> bool:
+    existing = next(each for each in (folder, *folder.parents) if each.exists())
+    return os.access(existing, os.W_OK)
+
+
+def endings() -> tuple[int, ...]:
+    """Return the signals that ask a program to end: Ctrl-C, SIGTERM, and a terminal that closes.
+
+    Under `nohup`, which ignores the last one, it is left out.
+    """
+    hangup = getattr(signal, "SIGHUP", None)  # Windows has none
+    closes = hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN
+    return (signal.SIGINT, signal.SIGTERM, *([hangup] if hangup and closes else []))
+
+
 def stop_on_signals(stop: Callable[[], None]) -> None:
-    """Call `stop` on Ctrl-C and SIGTERM."""
+    """Call `stop` on each of `endings`."""
 
     def handle(number: int, where: FrameType | None) -> None:
         stop()
 
-    signal.signal(signal.SIGINT, handle)
-    signal.signal(signal.SIGTERM, handle)
+    for number in endings():
+        signal.signal(number, handle)

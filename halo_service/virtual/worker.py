@@ -48,8 +48,9 @@ def run(
 ) -> None:
     """Scenario a scenario for ever, or until the pipe closes."""
     # Ctrl-C reaches the whole process group; the parent ends this process.
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     # The service notices a set clock itself, and logs it.
     logging.getLogger(host_clock.__name__).setLevel(logging.ERROR)
     cv2.setNumThreads(1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import socket
 import subprocess
 import sys
@@ -12,6 +14,7 @@ import pytest
 
 from halo_service.app.cli import main
 from halo_service.app.parser import COMMANDS, parse
+from halo_service.app.process import endings, give_matplotlib_a_folder, stop_on_signals
 
 HALO = Path(sys.executable).with_name("halo")
 
@@ -172,3 +175,40 @@ def test_help_has_an_example_and_imports_nothing_heavy(verb: list[str]) -> None:
     assert imported == "imported:"
     assert shown[0].startswith(" ".join(["usage: halo", *verb]))
     assert shown[-1].startswith("  halo " if verb else "'halo COMMAND --help'")
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signal")
+def test_a_terminal_that_closes_ends_a_program_unless_nohup_keeps_it() -> None:
+    def ended_by(number: int) -> list[int]:
+        calls: list[int] = []
+        before = [(each, signal.getsignal(each)) for each in (*endings(), signal.SIGHUP)]
+        try:
+            stop_on_signals(lambda: calls.append(number))
+            os.kill(os.getpid(), number)
+            return calls
+        finally:
+            for each, handler in before:
+                signal.signal(each, handler)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        assert ended_by(number) == [number]
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert ended_by(signal.SIGHUP) == []
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc is a folder that nobody can write")
+def test_in_a_read_only_home_matplotlib_gets_a_folder_and_prints_nothing(tmp_path: Path) -> None:
+    writable = {"HOME": str(tmp_path)}
+    give_matplotlib_a_folder(writable)
+    assert "MPLCONFIGDIR" not in writable
+    read_only = {"HOME": "/proc/self"}
+    give_matplotlib_a_folder(read_only)
+    assert os.access(read_only["MPLCONFIGDIR"], os.W_OK)
+    script = "import matplotlib, logging; matplotlib.get_configdir()"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=os.environ | read_only
+    )
+    assert (done.returncode, done.stderr) == (0, "")

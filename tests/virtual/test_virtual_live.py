@@ -152,3 +152,37 @@ def test_the_worker_dies_with_its_parent_however_that_ends(tmp_path, then):
         parent.kill()
     parent.communicate(timeout=10)
     assert gone(worker)
+
+
+CLOSED_TERMINAL = """
+import os, sys, time
+from halo_service.app.process import stop_on_signals
+from halo_service.virtual.live import VirtualKinect
+from halo_service.virtual.sim_url import parse_sim_url
+if __name__ == "__main__":
+    stopped = []
+    stop_on_signals(lambda: stopped.append(True))
+    with VirtualKinect(parse_sim_url("sim:idle"), colour=False) as kinect:
+        while kinect.read(0.5) is None:
+            pass
+        print(kinect._process.pid, kinect._memory.name, flush=True)
+        while not stopped:
+            kinect.read(0.1)
+    print("ended", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="shared memory is a file on Linux")
+def test_a_terminal_that_closes_leaves_no_worker_and_no_shared_memory(tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(CLOSED_TERMINAL)
+    parent = subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True
+    )
+    pid, memory = parent.stdout.readline().split()
+    assert Path("/dev/shm", memory).exists()
+    os.killpg(parent.pid, signal.SIGHUP)  # as the system does, to the whole group
+    said, _ = parent.communicate(timeout=20)
+    assert (parent.returncode, said.strip()) == (0, "ended")
+    assert gone(int(pid))
+    assert not Path("/dev/shm", memory).exists()

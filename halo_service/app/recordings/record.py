@@ -15,6 +15,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Protocol
 
+from halo_service.app.process import endings
 from halo_service.app.progress import progress
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
@@ -82,7 +83,7 @@ def record(
 
     with ExitStack() as stack:
         stack.callback(source.close)
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in endings():
             stack.callback(signal.signal, number, signal.signal(number, stop))
         recorder = stack.enter_context(
             Recorder(out, source.camera, fps=source.camera.fps, colour=colour)

@@ -17,6 +17,7 @@ from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.fit_watcher import FitWatcher
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.app.service.publisher import Publisher
+from halo_service.app.service.systemd import Notifier
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
@@ -33,7 +34,7 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.tracker_thread import TrackerThread
-from halo_service.sensing import DEFAULT_SURFACE, start
+from halo_service.sensing import DEFAULT_SURFACE, State, start
 from halo_service.settings import Settings
 from halo_service.sources import Source
 from halo_service.values import Frame
@@ -51,7 +52,9 @@ def serve(settings: Settings, settings_from: str = "") -> None:
     `settings_from`: which file the settings are from, for the log.
     """
     node = _node(settings.node)
+    systemd = Notifier()
     with ExitStack() as stack:
+        stack.callback(systemd.stopping)
         control = ControlPort(settings.control.host, settings.control.port)
         stack.callback(control.close)
         saved = load(profile_path(settings.profile)) if settings.profile else None
@@ -88,6 +91,10 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             reloader.on_change = tracker.reload
         paused = threading.Event()
 
+        def control_and_report(state: State, source: Source | None) -> State:
+            systemd.alive()
+            return handler.handle(state, source)
+
         def watch(frame: Frame) -> None:
             reloader.watch(frame)
             fit.watch(frame)
@@ -99,7 +106,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             tracker,
             start(profile, settings.sensing),
             publisher,
-            handler.handle,
+            control_and_report,
             watch,
             paused=paused,
         )
@@ -111,6 +118,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         stop_on_signals(loop.stop)
         log.info("settings: %s", settings_from)
         _log_start(settings, source, profile, node, control.port, web.url if web else "")
+        systemd.ready()
         loop.run()
 
 

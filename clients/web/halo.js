@@ -30,6 +30,9 @@ const MAX_RETIRED = 64;
 // `node`, `surface`: what to follow; without them, the first service that sends a frame.
 // `everything: true` reports all services. Returns an object with `close()`.
 export function connect(url, handlers = {}, { node, surface, everything = false } = {}) {
+  if (typeof WebSocket === "undefined") {
+    throw new Error("there is no WebSocket here: use Node 22, or node --experimental-websocket");
+  }
   const session = new Session(handlers, { node, surface, everything });
   return new Connection(url, session);
 }
@@ -162,9 +165,13 @@ class Connection {
     this.socket.onmessage = ({ data }) => {
       if (data instanceof ArrayBuffer) this.session.receive(new Uint8Array(data), now());
     };
-    this.socket.onclose = () => {
-      if (!this.closed) this.retry = setTimeout(() => this.open(), RETRY_MS);
-    };
+    // A refused connection ends with both, or in Node with an error alone.
+    this.socket.onclose = this.socket.onerror = () => this.openLater();
+  }
+
+  openLater() {
+    clearTimeout(this.retry);
+    if (!this.closed) this.retry = setTimeout(() => this.open(), RETRY_MS);
   }
 }
 

@@ -69,7 +69,23 @@ def parse_destination(text: str, section: str = "osc") -> Destination:
     destination = Destination(host, port, stream)
     for option in options:
         destination = _with(destination, option.strip(), section, text)
+    _check(destination.stream, section, text)
     return destination
+
+
+def _check(stream: Stream, section: str, text: str) -> None:
+    """Refuse an option that the format does not have."""
+    formats = {
+        "changes": ("flat",) if stream.changes else FORMATS,
+        "timetags": ("frames",) if stream.timetags else FORMATS,
+        "bundles": FORMATS if stream.bundles else ("frames", "flat"),
+    }
+    for option, possible in formats.items():
+        if stream.format not in possible:
+            raise UserError(
+                f"{section}: {option} is an option of {' and '.join(possible)}, not of "
+                f"{stream.format}, in '{text}'"
+            )
 
 
 def _place(place: str, section: str, text: str) -> tuple[str, int]:
@@ -79,9 +95,11 @@ def _place(place: str, section: str, text: str) -> tuple[str, int]:
     if host and port.isdecimal() and not 0 < int(port) < 65536:
         raise UserError(f"{section}: port {port} is not from 1 to 65535, in '{text}'")
     if not host or not port.isdecimal():
+        examples = f"{EXAMPLE} or {EXAMPLE}/flat,rate=30"
+        if section == "tuio":
+            examples = f"127.0.0.1:{TUIO_PORT} or 127.0.0.1:{TUIO_PORT}/tuio2"
         raise UserError(
-            f"{section}: '{text}' is not a destination; write host:port, such as {EXAMPLE} or "
-            f"{EXAMPLE}/flat,rate=30"
+            f"{section}: '{text}' is not a destination; write host:port, such as {examples}"
         )
     return host.strip("[]"), int(port)
 

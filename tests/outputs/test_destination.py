@@ -56,6 +56,9 @@ def test_tuio_has_a_port_and_a_format(text: str, destination: Destination) -> No
         ("x:1,rate=fast", "rate must be"),
         ("x:1,surface=A/B", "surface must be the name of a surface, such as table, not 'A/B'"),
         ("x:1,bundles=no", "bundles must be on or off, not 'no'"),
+        ("x:1,changes=on", "changes is an option of flat, not of frames, in 'x:1,changes=on'"),
+        ("x:1/flat,timetags=on", "timetags is an option of frames, not of flat"),
+        ("x:1/tuio2,bundles=off", "bundles is an option of frames and flat, not of tuio2"),
         ("x:1,ttl=256", "ttl must be a whole number from 0 to 255"),
         ("x:1,interface=nope0", "interface must be an IPv4 address of this machine or one of"),
     ],
@@ -66,3 +69,8 @@ def test_a_bad_destination_is_one_sentence(text: str, says: str) -> None:
     assert str(refused.value).startswith("osc: ")
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_bad_tuio_destination_gets_an_example_of_tuio() -> None:
+    with pytest.raises(UserError, match=r"such as 127\.0\.0\.1:3333 or 127\.0\.0\.1:3333/tuio2"):
+        parse_destination("wall:x", "tuio")

@@ -52,6 +52,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
     `settings_from`: which file the settings are from, for the log.
     """
     node = _node(settings.node)
+    wanted = destinations(settings)  # a wrong one ends the command before anything is opened
     systemd = Notifier()
     with ExitStack() as stack:
         stack.callback(systemd.stopping)
@@ -64,7 +65,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
         leases = Leases(node, session, settings.control.networks)
-        osc = stack.enter_context(closing(OscOutput(destinations(settings))))
+        osc = stack.enter_context(closing(OscOutput(wanted)))
         web = _web(settings, names, control, stack)
         carriers = [osc, *_zenoh(settings, names, surface, stack), *([web] if web else [])]
         profile = profile_for(source, saved, settings)

@@ -12,9 +12,10 @@ from halo_service.sensing.correction import correct
 from halo_service.sensing.detections import detections
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
+from halo_service.sensing.label_pixels import without_others
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
-from halo_service.sensing.segmentation import Segmentation, segment
+from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Frame, Side, Tracked
 
@@ -73,19 +74,22 @@ class Observer:
         self._drift = Drift()
 
     def see(self, frame: Frame) -> Observation | None:
-        """Return the surest stretched index finger, or None."""
+        """Return the surest hand's index finger, or None."""
         profile = self._profile
+        scale = Scale(frame.depth, profile)
         excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
         self._drift = follow_drift(self._drift, frame.depth, profile.background, frame.time_us)
-        segmentation = segment(excess, self._settings, profile.halo_threshold_mm)
+        solid = infrared_silhouette(frame.ir, profile.background, scale.on_surface)
+        segmentation = segment(excess, self._settings, profile.halo_threshold_mm, solid)
         seen = [
             each
-            for each in detections(self._detect(frame), Scale(frame.depth, profile))
+            for each in detections(self._detect(frame), scale)
             if self._side in (Side.UNKNOWN, each.side)
         ]
         if not seen:
             return None
         detection = max(seen, key=lambda each: each.confidence)
+        segmentation = without_others(segmentation, detection)
         tip = locate(detection, segmentation, frame.depth, profile, THICKNESS_MM)
         raw, *depths_mm = readings(segmentation, tip, profile)
         return Observation(

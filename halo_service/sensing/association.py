@@ -56,7 +56,11 @@ def associate(
         for i, finger in enumerate(tracks)
         if not (_is_replaced(finger, others, i in paired) or _is_double(finger, tracks))
     )
-    new = [each for each in others if not any(_is_on(finger, each.tip_px) for finger in kept)]
+    new = [
+        each
+        for each in others
+        if each.extended and not any(_is_on(finger, each.tip_px) for finger in kept)
+    ]
     taken = {finger.slot for finger in kept}
     slots = (slot for slot in range(SLOTS) if slot not in taken)
     started = zip(count(next_id), slots, new, strict=False)

@@ -1,4 +1,4 @@
-"""Fingertip detections: those of extended fingers, each hand once."""
+"""Fingertip detections: those of each hand once."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ FARTHEST_PX = 1e5
 """A landmark farther from the image's origin is invalid (chosen: wider than any image)."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Detection:
-    """One extended finger in the tracker's frame."""
+    """One finger in the tracker's frame."""
 
     time_us: int
     side: Side
@@ -43,12 +43,17 @@ class Detection:
     confidence: float
     px_per_mm: float
     """At the depth that the present frame shows there."""
+    extended: bool
+    """Whether the landmarks show it stretched out. A finger that points at the camera or away from
+    it often looks bent, so this starts a track, but its lack ends none."""
+    hand_px: NDArray[np.float64]
+    """(21, 2) the landmarks of its hand."""
 
 
 def detections(
     tracked: Tracked | None, scale: Scale, wanted: Fingers = "index"
 ) -> tuple[Detection, ...]:
-    """Return the extended fingers of the tracked hands, the most confident hand first."""
+    """Return the fingers of the tracked hands, the most confident hand first."""
     if tracked is None:
         return ()
     fingers = tuple(Finger) if wanted == "all" else (Finger.INDEX,)
@@ -56,7 +61,6 @@ def detections(
         _detection(tracked.time_us, hand, finger, scale)
         for hand in each_once(tracked.hands, scale)
         for finger in fingers
-        if _extended(hand, finger)
     )
 
 
@@ -94,6 +98,8 @@ def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detect
         _pixel(joint),
         hand.confidence,
         scale.px_per_mm(_pixel(joint)),
+        _extended(hand, finger),
+        hand.landmarks_px,
     )
 
 

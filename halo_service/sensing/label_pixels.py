@@ -10,12 +10,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.sensing.background import Part
-from halo_service.sensing.finger_frame import FingerFrame, grid, nearest
+from halo_service.sensing.detections import FINGER_MARKS, THUMB_TIP, Detection
+from halo_service.sensing.finger_frame import FingerFrame, Pixel, grid, nearest
 from halo_service.sensing.segmentation import Segmentation
+from halo_service.values import Finger
 
 REACH_MM = 52.0
 """Half the window around a tip: a flat finger's last two segments (`ridge`)."""
@@ -25,8 +28,15 @@ RISE_MM = 20.0
 """A fingertip's upper side rises by less in a frame (chosen: people lift at 0.4 m/s)."""
 TIP_MM = 8.0
 """The height is checked only so far behind the tip: farther back a finger is high itself."""
+CLEARLY = 0.8
+"""A pixel of the hand is a finger's if its bones are nearer than another's by this share: at the
+border between two fingers the landmarks' errors decide (chosen)."""
+AHEAD_MM = 12.0
+"""A finger's halo reaches so far beyond its tip."""
 NO_FINGER = 255
 FAR = np.float32(1e9)
+FAR_PX = 1e4
+"""Beyond any image: OpenCV draws with 16 bits."""
 STRIP_MM = 6.0
 """Half the breadth of the strip for the search of a finger's end."""
 LEAST_MM2 = 20.0
@@ -111,6 +121,44 @@ def pixels_of(
         high = around.excess_mm < -(place.top_mm + RISE_MM)
         hand &= ~(high & (ahead > -TIP_MM))
     return replace(around, halo=around.halo & open_to_it, hand=hand, free=around.free & open_to_it)
+
+
+def without_others(
+    segmentation: Segmentation, detection: Detection, moved_px: Pixel = (0.0, 0.0)
+) -> Segmentation:
+    """Return the scene without the pixels that are nearer to another finger of the same hand.
+
+    By the bones between the landmarks, `moved_px` since they were detected. A neighbour that hangs
+    next to a fingertip is higher and clearer: its outline would pass for the fingertip's.
+    """
+    shape = segmentation.hand.shape
+    if segmentation.hand.size == 0:
+        return segmentation
+    left, top = segmentation.left - moved_px[0], segmentation.top - moved_px[1]
+    marks = detection.hand_px - (left, top)
+    ends = THUMB_TIP + FINGER_MARKS * np.arange(len(Finger))
+    fingers = [marks[end - FINGER_MARKS + 1 : end + 1] for end in ends]
+    own = fingers.pop(int(detection.finger))
+    ahead = own[-1] + (own[-1] - own[-2]) * AHEAD_MM * detection.px_per_mm / max(
+        math.dist(own[-1], own[-2]), 1.0
+    )
+    away = [_away(lines, shape) for lines in ([np.vstack([own, ahead])], fingers)]
+    mine = away[0] <= away[1]
+    clearly_mine = away[0] <= CLEARLY * away[1]
+    return replace(
+        segmentation,
+        halo=segmentation.halo & mine,
+        hand=segmentation.hand & clearly_mine,
+        free=segmentation.free & mine,
+    )
+
+
+def _away(lines: Sequence[NDArray[np.float64]], shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Return how far each pixel is from the nearest of some lines, px."""
+    canvas = np.ones(shape, np.uint8)
+    points = [np.rint(np.clip(line, -FAR_PX, FAR_PX) * 16.0).astype(np.int32) for line in lines]
+    cv2.polylines(canvas, points, False, (0,), shift=4)
+    return np.asarray(cv2.distanceTransform(canvas, cv2.DIST_L2, 3), np.float32)
 
 
 def strip_end(segmentation: Segmentation, place: FingerFrame) -> FingerFrame:

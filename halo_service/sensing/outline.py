@@ -40,6 +40,8 @@ ACROSS_MM = (-15, 16)
 END_MM = (-10, 17)
 SIDE_MM = (2, 12)
 """The edge must be within these."""
+SOLID_MM = 20.0
+"""Height added to what infrared shows (chosen: more than any halo takes from a finger's end)."""
 NO_RIDGE = 1e6
 """Farther than any measurement, mm."""
 ROUND = 0.75
@@ -85,7 +87,9 @@ def outline(
     own = (part.hand | part.free) & (depth[part.rows, part.columns] > 0)
     if own.size == 0:
         return None
-    excess = np.where(own, part.excess_mm, np.float32(0.0))
+    # What infrared shows stands out, whatever its depth reads.
+    standing_mm = part.excess_mm - np.float32(SOLID_MM) * part.solid
+    excess = np.where(own, standing_mm, np.float32(0.0))
     finger = stands_out(excess, guess.px_per_mm)
     rough = silhouette_end(finger, part.within(guess), radius_mm)
     if rough is None:

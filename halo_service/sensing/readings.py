@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from halo_service.profile import Profile
 from halo_service.sensing.extraction import extract
 from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.scale import on_surface
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Fingertip
 
@@ -36,17 +37,12 @@ NORMAL = NormalDist()
 Floats = NDArray[np.float32]
 
 
-def px_per_mm(profile: Profile) -> float:
-    """Return the size of a millimetre on the surface."""
-    return profile.camera.depth.fx / max(float(profile.surface.camera_from_surface[2, 3]), 1.0)
-
-
 def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tuple[float, ...]:
     """Return the sum over the patch, mm px, the deepest areas' mean depths and the patch's, mm.
 
     The depths are about 0 without a halo, nan where too little of the surface is visible.
     """
-    scale = px_per_mm(profile)
+    scale = on_surface(profile)
     total = extract(segmentation, tip)
     dx, dy = unit(tip.distal_px, tip.tip_px)
     pad_px = profile.surface.in_picture(np.array([tip.pad_mm]), profile.camera.depth, np.eye(4))

@@ -18,12 +18,22 @@ FACING = (0.5, 1.5)
 """Bounds for a ray's part along the surface's normal: far outside the image it is not a ray."""
 
 
+def on_surface(profile: Profile) -> float:
+    """Return the size of a millimetre on the surface, px."""
+    return profile.camera.depth.fx / max(float(profile.surface.camera_from_surface[2, 3]), 1.0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scale:
     """The scale of one frame."""
 
     depth: Depth
     profile: Profile
+
+    @property
+    def on_surface(self) -> float:
+        """Return the scale on the surface."""
+        return on_surface(self.profile)
 
     def px_per_mm(self, at_px: Pixel) -> float:
         """Return the scale at the depth of what is seen at a place, else at the surface's."""

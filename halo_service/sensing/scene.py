@@ -17,12 +17,22 @@ from halo_service.sensing.label_pixels import (
     label_pixels,
     pixels_of,
     strip_end,
+    without_others,
 )
 from halo_service.sensing.ridge import height_behind
 from halo_service.sensing.scale import Scale
-from halo_service.sensing.segmentation import Segmentation, segment
+from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.tracks import Track, claim, detection_at, is_better, is_there, predict
+from halo_service.sensing.tracks import (
+    CLAIM_US,
+    Track,
+    claim,
+    detection_at,
+    is_better,
+    is_there,
+    predict,
+    was_at,
+)
 from halo_service.values import Fingertip, Frame
 
 LEAST_TOP_MM, JOINT_MM = 5.0, 20.0
@@ -73,7 +83,8 @@ def look(
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
     rows, columns = part
     threshold_mm = profile.halo_threshold_mm
-    segmentation = segment(excess_mm, settings, threshold_mm, columns.start, rows.start)
+    solid = infrared_silhouette(frame.ir, profile.background, scale.on_surface, part)
+    segmentation = segment(excess_mm, settings, threshold_mm, solid, columns.start, rows.start)
     return Scene(
         frame, places, claims, segmentation, label_pixels(places, segmentation), profile, settings
     )
@@ -82,10 +93,10 @@ def look(
 def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found | None:
     """Return the fingertip in the present frame, None if it does not show."""
     expected, claimed = scene.places[number], scene.claims[number]
-    own = pixels_of(scene.segmentation, scene.labels, number, expected)
+    own = _own(finger, number, expected, scene)
     tip = _tip(finger, expected, own, scene, states)
     if claimed is not None and (tip is None or finger.off_path):
-        there = pixels_of(scene.segmentation, scene.labels, number, claimed)
+        there = _own(finger, number, claimed, scene)
         seen = _tip(finger, claimed, there, scene, states)
         if seen and is_there(finger, claimed, expected, seen) and is_better(finger, seen, tip):
             return Found(seen, there, followed=False)
@@ -93,6 +104,17 @@ def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found
         farther = replace(expected, place=strip_end(own, expected.place))
         tip = _tip(finger, farther, own, scene, states)
     return None if tip is None else Found(tip, own, followed=True)
+
+
+def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segmentation:
+    """Return the pixels around a place that belong to no other finger."""
+    pixels = pixels_of(scene.segmentation, scene.labels, number, place)
+    seen = finger.detection
+    if scene.frame.time_us - seen.time_us > CLAIM_US:
+        return pixels  # the bones are too old to say whose pixels they are
+    then = was_at(finger.path, seen.time_us).tip_px if finger.path else seen.tip_px
+    now = scene.places[number].place.tip_px
+    return without_others(pixels, seen, (now[0] - then[0], now[1] - then[1]))
 
 
 def _scaled(prediction: Prediction, scale: Scale) -> Prediction:

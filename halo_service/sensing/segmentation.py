@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.sensing.background import Part
+from halo_service.profile import Background
+from halo_service.sensing.background import WHOLE, Part
 from halo_service.sensing.finger_frame import FingerFrame, Pixel
 from halo_service.sensing.settings import SensingSettings
+from halo_service.values import Infrared
+
+DIFFERS, DIFFERS_SIGMAS = 0.15, 4.0
+"""Infrared differs by more than this share of the empty surface's, and than so many of its standard
+deviations (chosen: a finger's sides are darker by half and more)."""
+BETWEEN_MM = 9.0
+"""What is this narrow between two such sides is finger (chosen: the middle half of a finger as
+bright as the surface)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +34,8 @@ class Segmentation:
     """(h, w) something is above the surface here."""
     free: NDArray[np.bool_]
     """(h, w) nothing is."""
+    solid: NDArray[np.bool_]
+    """(h, w) infrared shows something other than the surface; all False where it is unknown."""
     left: int = 0
     top: int = 0
     """The first column and row in the image."""
@@ -53,6 +65,7 @@ class Segmentation:
             self.halo[part],
             self.hand[part],
             self.free[part],
+            self.solid[part],
             self.left + part[1].start,
             self.top + part[0].start,
         )
@@ -62,14 +75,41 @@ def segment(
     excess_mm: NDArray[np.float32],
     settings: SensingSettings,
     measured_mm: float,
+    solid: NDArray[np.bool_] | None = None,
     left: int = 0,
     top: int = 0,
 ) -> Segmentation:
-    """Segment halo and hand by thresholds on the excess depth (paper 4.3.1).
+    """Segment halo and hand by thresholds on the excess depth (paper 4.3.1), and by infrared.
 
-    `measured_mm`: the threshold from the calibration; the settings may override it;
-    `left`, `top`: the first column and row in the image.
+    Skin reads too far, so the end of a touching finger reads like the surface or below it; its
+    infrared still differs. `measured_mm`: the threshold from the calibration; the settings may
+    override it; `solid`: see `infrared_silhouette`; `left`, `top`: the first column and row in the
+    image.
     """
-    halo = excess_mm > (settings.halo_threshold_mm or measured_mm)
-    hand = excess_mm < -settings.hand_threshold_mm
-    return Segmentation(excess_mm, halo, hand, ~hand, left, top)
+    if solid is None:
+        solid = np.zeros(excess_mm.shape, np.bool_)
+    hand = (excess_mm < -settings.hand_threshold_mm) | solid
+    halo = (excess_mm > (settings.halo_threshold_mm or measured_mm)) & ~solid
+    return Segmentation(excess_mm, halo, hand, ~hand, solid, left, top)
+
+
+def infrared_silhouette(
+    infrared: Infrared, background: Background, px_per_mm: float, part: Part = WHOLE
+) -> NDArray[np.bool_] | None:
+    """Return (h, w) where infrared differs from the empty surface's; None where it is unknown.
+
+    A finger's sides are darker than any surface that faces the camera; what lies between them is
+    finger too, though it may be as bright as the surface.
+    """
+    if background.infrared is None or infrared.shape != background.infrared.shape:
+        return None
+    empty = background.infrared[part]
+    if empty.size == 0:  # no finger is in the image
+        return None
+    least = max(DIFFERS, DIFFERS_SIGMAS * background.infrared_noise)
+    differs = np.abs(infrared[part] - empty) > np.float32(least) * empty
+    clean = cv2.medianBlur(differs.astype(np.uint8), 3)
+    width_px = round(BETWEEN_MM * px_per_mm) | 1
+    return np.asarray(
+        cv2.morphologyEx(clean, cv2.MORPH_CLOSE, np.ones((width_px, width_px), np.uint8)) > 0
+    )

@@ -35,13 +35,13 @@ def hand(
 
 def seen(*hands: Hand, wanted: str = "all") -> list[tuple[Side, Finger]]:
     found = detections(Tracked(0, hands), SCALE, wanted)  # type: ignore[arg-type]
-    return [(each.side, each.finger) for each in found]
+    return [(each.side, each.finger) for each in found if each.extended]
 
 
 @pytest.mark.parametrize(
     "extended", [(), (Finger.INDEX,), (Finger.THUMB, Finger.LITTLE), tuple(Finger)]
 )
-def test_extended_fingers_are_seen_and_curled_ones_are_not(extended: tuple[Finger, ...]) -> None:
+def test_extended_fingers_are_distinguished_from_curled_ones(extended: tuple[Finger, ...]) -> None:
     assert [finger for _, finger in seen(hand(*extended))] == list(extended)
 
 

@@ -40,7 +40,8 @@ def in_image(own: Segmentation) -> Segmentation:
         (own.top, SHAPE[0] - own.top - own.hand.shape[0]),
         (own.left, SHAPE[1] - own.left - own.hand.shape[1]),
     )
-    masks = (np.pad(each, around) for each in (own.excess_mm, own.halo, own.hand, own.free))
+    parts = (own.excess_mm, own.halo, own.hand, own.free, own.solid)
+    masks = (np.pad(each, around) for each in parts)
     return Segmentation(*masks)
 
 

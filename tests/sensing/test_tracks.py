@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from halo_service.sensing.association import associate
@@ -17,7 +18,9 @@ FRAME_US = 33_333
 def detection(
     x: float, n: int = 0, side: Side = Side.RIGHT, finger: Finger = Finger.INDEX
 ) -> Detection:
-    return Detection(n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0)
+    return Detection(
+        n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0, True, np.zeros((21, 2))
+    )
 
 
 def live(*xs: float, side: Side = Side.RIGHT) -> tuple[Track, ...]:

@@ -58,7 +58,8 @@ def solve_background(depths: Sequence[Depth], infrareds: Sequence[Infrared] = ()
             f"{share:.0f} % of it): keep hands and people out of the camera's view, and take it "
             f"again"
         )
-    return _with_infrared(background, infrareds) if infrareds else background
+    there = bool(infrareds) and all(each.shape == depths[0].shape for each in infrareds)
+    return _with_infrared(background, infrareds) if there else background
 
 
 def _with_infrared(background: Background, infrareds: Sequence[Infrared]) -> Background:

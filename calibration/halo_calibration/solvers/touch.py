@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,9 +29,14 @@ STILL_MM = 5.0
 """90 % of a held finger's positions lie this near to their middle: an arm sways by half a mm, and
 the fingertip is found to a mm or two."""
 NO_HALO_MM_PX = 60.0
-"""A press that reads less shows no halo: six pixels of the patch's 600 at 10 mm."""
-APART_SIGMAS = 3.0
-"""Two neighbouring states must differ by so many standard deviations of one frame's signal."""
+"""A press whose signal is less, and that stands apart from hover in no other reading, shows no
+halo: six pixels of the patch's 600 at 10 mm."""
+APART_SIGMAS = 1.5
+"""Two neighbouring states must differ by so many standard deviations of one frame, in the reading
+that separates them best (chosen: by three of their medians over two seconds of correlated noise).
+Touches are then less sure, and say so, which serves a user better than none."""
+CLEAR_SIGMAS = 3.0
+"""A depth of the halo separates two states if they differ by so many."""
 GOOD_SIGMAS = 6.0
 """From here on every single frame separates them."""
 NOISE_FLOOR_MM_PX = 10.0
@@ -126,13 +132,15 @@ def solve_touch(
     """Return the four states, how many standard deviations the nearest two are apart, quality.
 
     Raises `CalibrationError`: a state moved, two overlap or are swapped, or there is no halo.
-    The halo's signal decides. Where no depth of the halo separates two states, the signal alone is
-    used between them; the quality is then fair.
+    The reading of the halo that separates two states best decides. Where no depth of the halo does,
+    the signal alone is used between them; the quality is then fair.
     """
     middles = {state: check_hold(holds[state]) for state in STATES}
-    if max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX:
+    read = {state: _readings(holds[state]) for state in STATES}
+    weak = max(middle.signal for middle in middles.values()) < NO_HALO_MM_PX
+    if weak and _best(read["hover"], read["pressure"]).sigmas < CLEAR_SIGMAS:
         raise CalibrationError(NO_HALO)
-    apart = min(_apart(low, high, middles) for low, high in pairwise(STATES))
+    apart = min(_apart(low, high, read) for low, high in pairwise(STATES))
     hover_mm = state_values.of("hover")[0]
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
     seen = holds["hover"].observations
@@ -151,7 +159,7 @@ def dents_known(states: TouchStates) -> bool:
     held = [_known_depths(getattr(states, state)) for state in STATES]
     return all(
         any(
-            low and high and _sigmas(low, high) >= APART_SIGMAS
+            low and high and _sigmas(low, high) >= CLEAR_SIGMAS
             for low, high in zip(lower, upper, strict=True)
         )
         for lower, upper in pairwise(held)
@@ -201,7 +209,11 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
     )
 
 
-def _readings(held: HoldObservations) -> tuple[tuple[float, ...], tuple[float, ...]]:
+Readings = tuple[tuple[float, ...], tuple[float, ...]]
+"""Medians of all readings of one state, and their standard deviations from frame to frame."""
+
+
+def _readings(held: HoldObservations) -> Readings:
     """Return the median and deviation of each reading; both 0 where it was often hidden."""
     medians, noises = [], []
     for each in zip(*(seen.readings for seen in held.observations), strict=True):
@@ -213,21 +225,40 @@ def _readings(held: HoldObservations) -> tuple[tuple[float, ...], tuple[float, .
     return tuple(medians), tuple(noises)
 
 
-def _apart(low: str, high: str, middles: Mapping[str, Middle]) -> float:
+class _Separation(NamedTuple):
+    """How far one state lies above another in one reading."""
+
+    sigmas: float
+    """In standard deviations of one frame."""
+    low: float
+    high: float
+    """The medians, mm px or mm."""
+
+
+def _best(low: Readings, high: Readings) -> _Separation:
+    """Return the reading that separates two states best; the signal is always there."""
+    floors = (NOISE_FLOOR_MM_PX, *(0.0 for _ in low[0][1:]))
+    return max(
+        _Separation(_sigmas((a, max(p, floor)), (b, max(q, floor))), a, b)
+        for a, p, b, q, floor in zip(*low, *high, floors, strict=True)
+        if floor or (a and b)  # 0: hidden
+    )
+
+
+def _apart(low: str, high: str, read: Mapping[str, Readings]) -> float:
     """Return the distance of two neighbouring states in standard deviations."""
-    a, b = middles[low], middles[high]
-    sigmas = _sigmas((a.signal, a.noise), (b.signal, b.noise))
-    values = f"('{low}' reads {a.signal:.0f}, '{high}' {b.signal:.0f})"
-    if sigmas < -APART_SIGMAS:
+    best = _best(read[low], read[high])
+    values = f"('{low}' reads {best.low:.3g}, '{high}' {best.high:.3g})"
+    if best.sigmas < -APART_SIGMAS:
         raise CalibrationError(
             f"'{low}' shows a stronger halo than '{high}' {values}: were the two swapped? The halo "
             f"grows from hover over subtle and touch to pressure; do these two again in that order"
         )
-    if sigmas < APART_SIGMAS:
+    if best.sigmas < APART_SIGMAS:
         raise CalibrationError(
             f"'{low}' and '{high}' overlap {values}: {_REMEDIES[high]}, and do both again"
         )
-    return sigmas
+    return best.sigmas
 
 
 _REMEDIES = {

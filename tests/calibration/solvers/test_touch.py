@@ -60,9 +60,21 @@ CASES = {
         "only 20 of 60 frames came during 'hover'",
     ),
     "lost": ("subtle", {"raw": 1500.0, "seen": 20}, "found in only 20 of 60 .* 'subtle'"),
-    "swapped": ("hover", {"raw": 2000.0}, "'hover' shows a stronger halo than 'subtle'"),
-    "overlap": ("subtle", {"raw": 2190.0}, "'subtle' and 'touch' overlap .* keep clear"),
-    "no press": ("pressure", {"raw": 2210.0}, "'touch' and 'pressure' overlap .* press down"),
+    "swapped": (
+        "hover",
+        {"raw": 2000.0, "dent_mm": 9.0},
+        "'hover' shows a stronger halo than 'subtle'",
+    ),
+    "overlap": (
+        "subtle",
+        {"raw": 2190.0, "dent_mm": 11.0},
+        "'subtle' and 'touch' overlap .* keep clear",
+    ),
+    "no press": (
+        "pressure",
+        {"raw": 2210.0, "dent_mm": 11.0},
+        "'touch' and 'pressure' overlap .* press down",
+    ),
 }
 
 
@@ -82,8 +94,16 @@ def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:
 
 
 def test_states_that_are_only_just_apart_are_fair(hold: Hold) -> None:
-    holds = all_of(hold, pressure=hold("pressure", 2600.0, noise=100.0))
-    assert solve_touch(holds, StateValues(), None)[2] == "fair"
+    press = hold("pressure", 2600.0, noise=100.0, dent_mm=11.8, sways_mm=0.2)
+    assert solve_touch(all_of(hold, pressure=press), StateValues(), None)[2] == "fair"
+
+
+def test_a_halo_too_weak_for_the_signal_is_calibrated_by_its_depths(hold: Hold) -> None:
+    depths = {"hover": 1.0, "subtle": 2.0, "touch": 3.0, "pressure": 5.0}
+    holds = {state: hold(state, 0.0, dent_mm=mm, sways_mm=0.1) for state, mm in depths.items()}
+    states, apart, _ = solve_touch(holds, StateValues(), None)
+    assert dents(states) == pytest.approx(list(depths.values()), abs=0.11)
+    assert apart > 6.0
 
 
 def dents(states: TouchStates) -> list[float]:

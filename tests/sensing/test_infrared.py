@@ -1,0 +1,107 @@
+"""In touch, skin reads like the surface: infrared and the hand's bones show where a finger is."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from halo_service.profile import Background
+from halo_service.sensing import SensingSettings
+from halo_service.sensing.detections import Detection
+from halo_service.sensing.finger_frame import FingerFrame
+from halo_service.sensing.label_pixels import without_others
+from halo_service.sensing.outline import outline
+from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
+from halo_service.values import Finger, Side
+
+SHAPE = (576, 640)
+TIP = (320, 300)
+RADIUS = 8
+NOISE = 0.04
+EMPTY = Background(
+    np.full(SHAPE, 500.0, np.float32),
+    np.ones(SHAPE, np.float32),
+    np.ones(SHAPE, np.bool_),
+    np.full(SHAPE, 5000.0, np.float32),
+    NOISE,
+)
+
+
+def infrared(side: float, middle: float) -> NDArray[np.uint16]:
+    """Draw a finger that points up the image, in shares of the surface's brightness."""
+    share = np.ones(SHAPE, np.float32)
+    for radius, value in ((RADIUS, side), (RADIUS // 2 - 1, middle)):
+        end = (TIP[0], TIP[1] + RADIUS)
+        cv2.line(share, end, (TIP[0], 500), value, thickness=2 * radius)
+        cv2.circle(share, end, radius, value, thickness=-1)
+    noise = np.random.default_rng(1).normal(1.0, NOISE, SHAPE)
+    return np.clip(5000.0 * share * noise, 0, 65535).astype(np.uint16)
+
+
+@pytest.mark.parametrize("middle", [0.5, 1.0, 1.4], ids=["dark", "as the table", "bright"])
+def test_a_finger_differs_in_infrared_though_its_middle_is_as_bright_as_the_table(
+    middle: float,
+) -> None:
+    solid = infrared_silhouette(infrared(0.5, middle), EMPTY, 1.0)
+    assert solid is not None
+    assert solid[TIP[1] + 6 : 480, TIP[0] - 5 : TIP[0] + 5].all()
+    assert not solid[: TIP[1] - 3].any()
+    assert not solid[:, : TIP[0] - RADIUS - 3].any()
+
+
+def test_an_older_profile_knows_no_infrared() -> None:
+    old = Background(EMPTY.mean_mm, EMPTY.noise_mm, EMPTY.valid)
+    assert infrared_silhouette(infrared(0.5, 0.5), old, 1.0) is None
+
+
+def test_a_finger_that_reads_below_the_surface_ends_where_infrared_ends() -> None:
+    """Pressed, its last centimetre reads 6 mm too far, and the dent around it hardly farther."""
+    excess = np.zeros(SHAPE, np.float32)
+    cv2.circle(excess, (TIP[0], TIP[1] + 6), 20, 9.0, thickness=-1)
+    finger = infrared(0.5, 0.5) < 3750
+    rows = np.arange(SHAPE[0], dtype=np.float32)[:, None] - np.float32(TIP[1])
+    reads = 6.0 - np.maximum(rows - 10.0, 0.0)
+    excess = np.where(finger, np.broadcast_to(reads, SHAPE), excess).astype(np.float32)
+    depth = (500.0 + excess).astype(np.uint16)
+    guess = FingerFrame((TIP[0], TIP[1] + 6.0), (0.0, -1.0), 1.0)
+
+    def off_mm(solid: NDArray[np.bool_] | None) -> float:
+        found = outline(segment(excess, SensingSettings(), 8.0, solid), depth, guess, RADIUS)
+        return float("inf") if found is None else abs(found.place.tip_px[1] - TIP[1])
+
+    assert off_mm(None) > 4.0
+    assert off_mm(infrared_silhouette(infrared(0.5, 0.5), EMPTY, 1.0)) < 1.5
+
+
+def hand(apart: float) -> NDArray[np.float64]:
+    """Fingers that point up the image side by side, the index finger's tip at `TIP`."""
+    marks = np.full((21, 2), 500.0)
+    for finger in Finger:
+        x = TIP[0] + apart * (int(finger) - 1)
+        for joint in range(4):
+            marks[1 + 4 * int(finger) + joint] = x, TIP[1] + 75.0 - 25.0 * joint
+    return marks
+
+
+def detected(apart: float) -> Detection:
+    at = (float(TIP[0]), float(TIP[1]))
+    joint = (at[0], at[1] + 25.0)
+    return Detection(0, Side.RIGHT, Finger.INDEX, at, joint, 0.9, 1.0, True, hand(apart))
+
+
+@pytest.mark.parametrize("moved", [(0.0, 0.0), (7.0, -12.0)])
+def test_pixels_on_a_neighbours_bones_are_no_part_of_a_finger(moved: tuple[float, float]) -> None:
+    everything = segment(np.full(SHAPE, -20.0, np.float32), SensingSettings(), 8.0)
+    x, y = round(TIP[0] + moved[0]), round(TIP[1] + moved[1])
+    own = without_others(everything, detected(18.0), moved)
+    assert own.hand[y + 5 : y + 60, x - 5 : x + 5].all()
+    assert not own.hand[y + 5 : y + 60, x + 13 : x + 23].any()
+    assert own.free.sum() == 0
+
+
+def test_a_window_outside_the_image_stays_empty() -> None:
+    empty = np.zeros((0, 5), np.bool_)
+    nothing = Segmentation(np.zeros((0, 5), np.float32), empty, empty, empty, empty)
+    assert without_others(nothing, detected(18.0)).hand.size == 0

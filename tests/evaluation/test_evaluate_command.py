@@ -125,16 +125,18 @@ def test_cached_recordings_of_another_sensor_are_in_the_plan(
     assert f"unknown task 'juggling'; choose from: {tasks}\n" in capsys.readouterr().err
 
 
+MODE = "mode=NFOV_2X2BINNED"
+"""A quarter of the pixels: drawn, written and read sooner."""
+
+
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of an empty table, its truth, and a profile of its room."""
     folder = tmp_path_factory.mktemp("desk")
     taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
-    assert main(["simulate", f"idle?seed=205&{KIND_URL}", *taken, "--seconds", "0.3"]) == 0
-    save(
-        virtual_profile(parse_sim_url(f"sim:idle?seed=205&{KIND_URL}").room, Settings()),
-        folder / "profile",
-    )
+    idle = f"idle?seed=205&{MODE}&{KIND_URL}"
+    assert main(["simulate", idle, *taken, "--seconds", "0.3"]) == 0
+    save(virtual_profile(parse_sim_url(f"sim:{idle}").room, Settings()), folder / "profile")
     return folder
 
 
@@ -174,7 +176,8 @@ def recorded(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recorded")
     files = ("--out", str(folder / "recording.mkv"), "--truth", str(folder / "truth.jsonl"))
     # The third touch ends at 3.05 s.
-    assert main(["simulate", "demo?seed=205", *files, "--seconds", "3.3"]) == 0
+    length = ("--seconds", "3.3", "--no-colour")
+    assert main(["simulate", f"demo?seed=205&{MODE}", *files, *length]) == 0
     shutil.copytree(desk / "profile", folder / "profile")  # the room is the seed's alone
     return folder
 

@@ -24,7 +24,9 @@ from halo_service.outputs.frame_encoder import FrameEncoder
 from tests.kind_sensor import KIND_URL
 
 SECONDS = 7.5
-SESSIONS = (f"sim:drumming?seed=4&{KIND_URL}", f"sim:drumming?seed=5&{KIND_URL}")
+CAMERA = f"mode=NFOV_2X2BINNED&{KIND_URL}"
+"""A quarter of the pixels: the sound depends on touches and heights, not on their last millimetre."""
+SESSIONS = (f"sim:drumming?seed=4&{CAMERA}", f"sim:drumming?seed=5&{CAMERA}")
 """The onset detector was tuned on seed 3, and is tested on other seeds."""
 STEP_MM = 5.0
 """Heights in steps of this size are averaged."""

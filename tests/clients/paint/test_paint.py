@@ -305,7 +305,7 @@ def test_painting_adds_little_error_to_the_sensing(
     sensed: Callable[[str, float], Any],
 ) -> None:
     """The brush adds at most 3 mm to the service's own error."""
-    session = sensed(f"sim:painting?seed=3&{KIND_URL}", 8.0)
+    session = sensed(f"sim:painting?seed=3&mode=NFOV_2X2BINNED&{KIND_URL}", 8.0)
     frames = list(halo_client.frames(FileSource(session.stream, paced=False)))
     surface = session.truth[-1]["surface"]
     true = {}

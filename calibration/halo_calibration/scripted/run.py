@@ -42,11 +42,11 @@ class ScriptedCalibration:
             self._setup, state_values=state_values_in(lines, self._setup.state_values)
         )
         for line in lines:
-            profile = self._take(line, profile)
+            profile = self._calibrate(line, profile)
         assert profile is not None  # a script names a step, and each makes or needs a profile
         return profile
 
-    def _take(self, line: ScriptStep, profile: Profile | None) -> Profile:
+    def _calibrate(self, line: ScriptStep, profile: Profile | None) -> Profile:
         step, setup = line.step, self._setup
         frames = self._session.between(line.from_s, line.to_s, step)
         expected = self._session.frame_count(line.to_s - line.from_s)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +19,6 @@ from halo_service.app.hand_detector import HandDetector
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
-from halo_service.settings import Settings
 from halo_service.sources import EndOfSource
 from halo_service.values import BadFrame, Frame, Tracked
 from halo_service.virtual.camera import FPS, factory
@@ -67,44 +64,74 @@ class DrawnRecording(NamedTuple):
     path: Path
     """The recording of all of it."""
     frames: list[Frame]
-    """Without infrared, up to the first seconds of the sweep."""
-    hands: dict[int, Tracked]
-    """What the real hand tracker finds in them, by `time_us`: looked for once for all tests."""
+    """Up to the first seconds of the sweep."""
 
 
 @pytest.fixture(scope="module")
 def drawn(script: Script, tmp_path_factory: pytest.TempPathFactory) -> DrawnRecording:
-    drawn = DrawnRecording(tmp_path_factory.mktemp("recording") / "calibration.mkv", [], {})
+    drawn = DrawnRecording(tmp_path_factory.mktemp("recording") / "calibration.mkv", [])
     seconds = float(script[-1]["to_s"]) + 0.2
     in_memory = float(script[-1]["from_s"]) + SHORT_SWEEP_S + 0.2
-    settings = replace(Settings().tracking, max_hands=1)
-    with (
-        Recorder(drawn.path, factory(mode=MODE), fps=FPS, colour=False) as recorder,
-        closing(HandDetector(factory(mode=MODE), None, settings)) as detector,
-    ):
+    with Recorder(drawn.path, factory(mode=MODE), fps=FPS, colour=False) as recorder:
         for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
             if frame is None or not needed(script, number / FPS):
                 continue
             recorder.write(frame)
             if number / FPS < in_memory:
-                drawn.hands[frame.time_us] = detector.detect(frame)
-                drawn.frames.append(replace(frame, ir=frame.ir[:0].copy()))
+                drawn.frames.append(frame)
     return drawn
 
 
-def test_the_same_recording_and_script_give_the_same_profile(
-    drawn: DrawnRecording, script: Script, tmp_path: Path
-) -> None:
-    written = tmp_path / "script.json"
+def run(drawn: DrawnRecording, script: Script, parent: Path) -> Path:
+    """Calibrate with the command, as a user does; return the folder of the profile."""
+    folder, written = parent / "desk", parent / "script.json"
     written.write_text(json.dumps(script))
-    profiles = []
-    for name in ("one", "two"):
-        folder = tmp_path / name / "desk"
-        arguments = ["--source", f"recording:{drawn.path}", "--script", str(written)]
-        assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
-        profiles.append({path.name: path.read_bytes() for path in folder.iterdir()})
-    assert profiles[0] == profiles[1]
-    profile = load(tmp_path / "one" / "desk")
+    arguments = ["--source", f"recording:{drawn.path}", "--script", str(written)]
+    assert main(["calibrate", *arguments, "--profile", str(folder)]) == 0
+    return folder
+
+
+class Calibrated(NamedTuple):
+    """The first calibration from the recording."""
+
+    folder: Path
+    hands: dict[int, Tracked]
+    """What the real hand tracker found, by `time_us`: looked for once for all tests."""
+
+    def found(self, frame: Frame) -> Tracked:
+        return self.hands.get(frame.time_us, Tracked(frame.time_us, ()))
+
+
+@pytest.fixture(scope="module")
+def calibrated(
+    drawn: DrawnRecording, script: Script, tmp_path_factory: pytest.TempPathFactory
+) -> Calibrated:
+    detect, hands = HandDetector.detect, {}
+
+    def remember(self: HandDetector, frame: Frame) -> Tracked:
+        return hands.setdefault(frame.time_us, detect(self, frame))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(HandDetector, "detect", remember)
+        return Calibrated(run(drawn, script, tmp_path_factory.mktemp("first")), hands)
+
+
+def test_the_same_recording_and_script_give_the_same_profile(
+    drawn: DrawnRecording,
+    script: Script,
+    calibrated: Calibrated,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # That the tracker finds the same hands twice is the test of `halo replay`.
+    monkeypatch.setattr(HandDetector, "detect", lambda _, frame: calibrated.found(frame))
+    again = run(drawn, script, tmp_path)
+    first, second = (
+        {path.name: path.read_bytes() for path in folder.iterdir()}
+        for folder in (calibrated.folder, again)
+    )
+    assert first == second
+    profile = load(again)
     assert profile.calibrated == "complete"
     assert profile.touch is not None
     signals = [getattr(profile.touch, s).raw for s in ("hover", "subtle", "touch", "pressure")]
@@ -140,16 +167,16 @@ class Drawn:
 
 
 @pytest.fixture
-def calibrate(drawn: DrawnRecording) -> Callable[..., Profile]:
-    def run(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
+def calibrate(drawn: DrawnRecording, calibrated: Calibrated) -> Callable[..., Profile]:
+    def from_memory(script: Script, lost: tuple[float, float] = (0.0, 0.0)) -> Profile:
         source = Drawn(drawn.frames, *lost)
         setup = Setup("desk", source.camera, "2026-01-01T00:00:00Z")
         scripted = ScriptedCalibration(
-            setup, Session(source), lambda known: lambda frame: drawn.hands[frame.time_us], print
+            setup, Session(source), lambda known: calibrated.found, print
         )
         return scripted.run(parse_script(script, "test"))
 
-    return run
+    return from_memory
 
 
 def until(script: Script, last: str) -> Script:

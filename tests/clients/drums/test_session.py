@@ -25,7 +25,7 @@ from tests.kind_sensor import KIND_URL
 
 SECONDS = 7.5
 CAMERA = f"mode=NFOV_2X2BINNED&{KIND_URL}"
-"""A quarter of the pixels: the sound depends on touches and heights, not on their last millimetre."""
+"""A quarter of the pixels: sounds need touches and heights, not their last millimetre."""
 SESSIONS = (f"sim:drumming?seed=4&{CAMERA}", f"sim:drumming?seed=5&{CAMERA}")
 """The onset detector was tuned on seed 3, and is tested on other seeds."""
 STEP_MM = 5.0

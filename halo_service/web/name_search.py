@@ -6,12 +6,17 @@ asked: one that was killed is forgotten when its record expires.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 
+from zeroconf import Error as ZeroconfError
 from zeroconf import ServiceBrowser, ServiceStateChange, Zeroconf
 
+import halo_protocol as wire
 from halo_service.outputs.name_watch import NameWatch
+
+log = logging.getLogger(__name__)
 
 LOOK_S = 2.0
 """How often each is asked; more often than a collision lasts."""
@@ -54,8 +59,13 @@ class NameSearch:
                     self._ask(name)
 
     def _ask(self, name: str) -> None:
-        info = self._zeroconf.get_service_info(self._kind, name, ANSWER_MS)
-        facts = info.decoded_properties if info is not None else {}
-        node, session = facts.get("node"), facts.get("session")
-        if node and session:
-            self._watch.seen(node, session, time.monotonic())
+        """Ask one service who it is; another program's answer is ignored."""
+        try:
+            info = self._zeroconf.get_service_info(self._kind, name, ANSWER_MS)
+            facts = info.decoded_properties if info is not None else {}
+            node = wire.check_name(facts.get("node") or "", "node")
+            session = wire.check_session(facts.get("session") or "")
+        except (wire.ProtocolError, ZeroconfError, OSError) as error:
+            log.debug("mdns: %s: %s", name[:80], error)
+            return
+        self._watch.seen(node, session, time.monotonic())

@@ -94,6 +94,28 @@ def test_two_services_of_one_name_notice_each_other_until_one_ends(
     assert caplog.text.count("also called 'halo-twin' (session s1)") == 1
 
 
+def test_announcements_of_other_programs_are_ignored(quick: None) -> None:
+    names = NameWatch("halo-alone", "s1")
+    with (
+        closing(Announcement(names, [Port(OSC, "127.0.0.1", 5000)], {})) as ours,
+        closing(Zeroconf(interfaces=["127.0.0.1"], ip_version=IPVersion.V4Only)) as program,
+    ):
+        ours._thread.join()
+        (search,) = ours._searches
+        facts = {"node": "halo-alone", "session": "\n", "surface": b"\xff"}
+        info = ServiceInfo(
+            OSC, f"program.{OSC}", port=1, parsed_addresses=["127.0.0.1"], properties=facts
+        )
+        program.register_service(info)
+        until = time.monotonic() + PATIENCE_S
+        while len(search._found) < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+        assert len(search._found) == 2
+        time.sleep(1.0)
+        assert search._thread.is_alive()
+        assert not names.collision(time.monotonic())
+
+
 TWIN = """
 import sys, time
 from halo_service.outputs.name_watch import NameWatch

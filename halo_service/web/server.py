@@ -27,6 +27,8 @@ log = logging.getLogger(__name__)
 
 PATH = "/halo"
 MAX_CLIENTS = 64
+MAX_CONNECTIONS = 256
+"""Open connections of any kind; more could use up the service's file descriptors."""
 LARGEST = 4096
 """Bytes of a message from a client."""
 HEARTBEAT_S = 10.0
@@ -34,6 +36,22 @@ HEARTBEAT_S = 10.0
 CLOSE_S = 5.0
 RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
+
+
+class Gate(asyncio.Protocol):
+    """A new connection: passed to the server, or closed if there are too many."""
+
+    def __init__(self, server: web.Server) -> None:
+        self._server = server
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Pass it on or close it."""
+        if len(self._server.connections) >= MAX_CONNECTIONS:
+            transport.close()
+            return
+        handler = self._server()
+        transport.set_protocol(handler)
+        handler.connection_made(transport)
 
 
 def _no_control(message: ControlMessage) -> None:
@@ -85,11 +103,15 @@ class WebServer:
 
     def close(self) -> None:
         """Disconnect all clients and end the thread."""
-        stopped = asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
+        stopped = asyncio.run_coroutine_threadsafe(self._stop(), self._loop)
         stopped.result(CLOSE_S * 2)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()
+
+    async def _stop(self) -> None:
+        self._tcp.close()
+        await self._runner.cleanup()
 
     async def _start(self) -> web.AppRunner:
         application = web.Application()
@@ -100,7 +122,9 @@ class WebServer:
             application, access_log=None, logger=http_log(), shutdown_timeout=CLOSE_S
         )
         await runner.setup()
-        await web.SockSite(runner, self._listener).start()
+        server = runner.server
+        assert server is not None
+        self._tcp = await self._loop.create_server(lambda: Gate(server), sock=self._listener)
         return runner
 
     def _publish(self, outgoing: Outgoing) -> None:

@@ -25,7 +25,7 @@ from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.web.oscquery import Node
-from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
+from halo_service.web.server import LARGEST, MAX_CLIENTS, MAX_CONNECTIONS, WebServer
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, QUEUE
 from tests.outputs.samples import TOUCHING, fingers, frame
@@ -215,6 +215,20 @@ def test_the_number_of_clients_is_bounded(server: WebServer) -> None:
         with pytest.raises(InvalidStatus) as refused, client(server):
             pass
         assert refused.value.response.status_code == 503
+
+
+def test_the_number_of_connections_is_bounded(server: WebServer) -> None:
+    with ExitStack() as stack:
+        idle = [
+            stack.enter_context(socket.create_connection(("127.0.0.1", server.port), 5.0))
+            for _ in range(MAX_CONNECTIONS + 10)
+        ]
+        assert [each.recv(1) for each in idle[-10:]] == [b""] * 10, "they are closed at once"
+    until = time.monotonic() + 10.0
+    while time.monotonic() < until:
+        with suppress(OSError, WebSocketException), client(server, OSC):
+            return
+    pytest.fail("no client is served after the others have left")
 
 
 def test_a_port_in_use_is_replaced_by_a_free_one(

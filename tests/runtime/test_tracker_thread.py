@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 
+import numpy as np
 import pytest
 
 from halo_service.runtime.tracker_thread import TrackerThread
@@ -65,3 +67,65 @@ def test_hands_are_tracked_even_if_scheduling_is_forbidden(
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     with started() as recorder:
         assert recorder.policies == [os.sched_getscheduler(0)] * 2
+
+
+class Hanging:
+    """A tracker that hangs at some of its frames until it is released."""
+
+    made = 0
+
+    def __init__(self, at: set[int], released: threading.Event) -> None:
+        Hanging.made += 1
+        self.at, self.released = at, released
+
+    def detect(self, frame: Frame) -> Tracked:
+        if frame.time_us in self.at:
+            self.released.wait()
+        return Tracked(frame.time_us, ())
+
+    def close(self) -> None:
+        pass
+
+
+def offer_until(tracker: TrackerThread, time_us: int, done: Callable[[], bool]) -> None:
+    until = time.monotonic() + FOUND_S
+    empty = np.zeros((2, 2), np.uint16)
+    while not done():
+        tracker.offer(Frame(time_us, empty, empty))
+        assert time.monotonic() < until
+        time.sleep(0.005)
+
+
+def test_a_tracker_that_hangs_is_replaced_and_reported(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("halo_service.runtime.tracker_thread.HANGS_S", 0.1)
+    Hanging.made = 0
+    released = threading.Event()
+    tracker = TrackerThread(lambda: Hanging({2}, released))
+    try:
+        offer_until(tracker, 1, lambda: tracker.newest is not None)
+        offer_until(tracker, 2, lambda: tracker.state == "failed")
+        assert tracker.newest is None  # hands of long ago are no hands
+        offer_until(tracker, 3, lambda: tracker.newest is not None)
+        assert tracker.state == "searching"
+        assert Hanging.made == 2
+        released.set()  # the old thread goes on and must change nothing
+        offer_until(tracker, 4, lambda: tracker.newest is not None and tracker.newest.time_us == 4)
+        assert tracker.failure is None
+        assert sum("no answer" in each.getMessage() for each in caplog.records) == 1
+    finally:
+        released.set()
+        tracker.close()
+
+
+def test_a_tracker_that_always_hangs_ends_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("halo_service.runtime.tracker_thread.HANGS_S", 0.02)
+    released = threading.Event()
+    tracker = TrackerThread(lambda: Hanging({1}, released))
+    try:
+        offer_until(tracker, 1, lambda: tracker.failure is not None)
+        assert "hung 6 times in a row" in str(tracker.failure)
+    finally:
+        released.set()
+        tracker.close()

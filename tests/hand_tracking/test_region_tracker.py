@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Iterator
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ FRAMES = 12
 
 
 class Looks:
-    """A model's stand-in that counts how often it is asked, and finds nothing."""
+    """A model's stand-in that counts its calls, and finds nothing."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -99,8 +100,9 @@ def test_the_model_rests_over_an_empty_table_and_before_a_thing_that_is_no_hand(
 
 def test_a_bright_hand_that_the_images_edge_cuts_is_found_in_every_frame(company_data) -> None:
     """On frames of another virtual sensor, in which the model finds no hand in the whole image."""
-    source = Recording(company_data / "hand_at_edge.mkv", realtime=False, loop=False)
-    frames = [source.read(1.0) for _ in range(65)]
+    recording = company_data / "hand_at_edge.mkv"
+    with closing(Recording(recording, realtime=False, loop=False)) as source:
+        frames = [source.read(1.0) for _ in range(65)]
     background = np.median([frame.depth for frame in frames[:20]], axis=0).astype(np.float32)
     lens = source.camera.depth
     tracker = RegionTracker(hand_model(None), background, background > 0, lens.fx, 2)

@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         if options.verb == "serve":
             return 0  # a service runs until somebody ends it
-        print("\nhalo: stopped before the end; complete results are kept", file=sys.stderr)
+        print("\nhalo: stopped before the end; complete results are saved", file=sys.stderr)
         return STOPPED
 
 

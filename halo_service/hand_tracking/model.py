@@ -47,7 +47,7 @@ _OR_ELSE = (
     "its path"
 )
 
-# The networks are the same in every build of the package: request the one that surely exists,
+# The networks are the same in every build of the package: request the one that certainly exists,
 # so that it works on machines and Pythons without a build of their own.
 _UV = (
     *("--python-platform", "x86_64-unknown-linux-gnu", "--python-version", "3.11"),
@@ -150,12 +150,12 @@ def _install(target: Path) -> None:
 
 def _without_settings(environment: dict[str, str]) -> dict[str, str]:
     """Return an environment in which pip and uv follow no settings but where packages are."""
-    kept = {
+    passed = {
         name: value
         for name, value in environment.items()
         if not name.startswith(("PIP_", "UV_")) or any(word in name for word in _PLACES)
     }
-    return {**kept, "PIP_CONFIG_FILE": os.devnull, "UV_NO_CONFIG": "1"}
+    return {**passed, "PIP_CONFIG_FILE": os.devnull, "UV_NO_CONFIG": "1"}
 
 
 def _reason(said: str) -> str:

@@ -199,7 +199,9 @@ def test_a_terminal_that_closes_ends_a_program_unless_nohup_keeps_it() -> None:
         signal.signal(signal.SIGHUP, before)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="/proc is a folder that nobody can write")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="/proc is a folder that is read-only for everyone"
+)
 def test_in_a_read_only_home_matplotlib_gets_a_folder_and_prints_nothing(tmp_path: Path) -> None:
     writable = {"HOME": str(tmp_path)}
     give_matplotlib_a_folder(writable)

@@ -114,7 +114,7 @@ def test_ctrl_c_in_a_calibration_leaves_the_profile_as_it_was(
     )
     code, said = stopped(process, after=f"Calibrating {small}")
     assert code == 130
-    assert "stopped before the end; complete results are kept" in said
+    assert "stopped before the end; complete results are saved" in said
     assert {path.name: path.read_bytes() for path in small.iterdir()} == before
 
 

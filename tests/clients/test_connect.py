@@ -1,4 +1,4 @@
-"""`connect` to a service: it is asked for its stream, found again, and its touches are reported."""
+"""`connect` to a service: it requests the stream, finds the service again, reports touches."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def sending(
 
 
 @contextmanager
-def asked(port: int, session: str = "s1", press: threading.Event = NEVER) -> Iterator[Leases]:
+def on_request(port: int, session: str = "s1", press: threading.Event = NEVER) -> Iterator[Leases]:
     """A service that streams to those that say hello."""
     leases = Leases("desk", session, ("127.0.0.0/8",))
     with closing(ControlPort("127.0.0.1", port)) as control, closing(OscOutput([])) as osc:
@@ -114,7 +114,7 @@ def run_until(receiver: Receiver, done: Callable[[], object]) -> None:
 
 @pytest.mark.parametrize(
     ("url", "service"),
-    [("osc://?hello=127.0.0.1:{}", asked), ("ws://127.0.0.1:{}/halo", web)],
+    [("osc://?hello=127.0.0.1:{}", on_request), ("ws://127.0.0.1:{}/halo", web)],
     ids=["osc", "ws"],
 )
 def test_a_restarted_service_is_found_again_and_its_touches_end(
@@ -135,7 +135,7 @@ def test_a_restarted_service_is_found_again_and_its_touches_end(
 
 
 def test_a_closed_client_ends_its_stream(free_port: int) -> None:
-    with asked(free_port) as leases:
+    with on_request(free_port) as leases:
         with halo_client.connect(f"osc://?hello=127.0.0.1:{free_port}") as receiver:
             run_until(receiver, lambda: receiver.following)
             assert len(leases.destinations) == 1
@@ -148,7 +148,7 @@ def test_a_closed_client_ends_its_stream(free_port: int) -> None:
 def test_a_refusal_is_one_sentence(free_port: int) -> None:
     url = f"osc://?hello=127.0.0.1:{free_port}&rate=fast"
     with (
-        asked(free_port),
+        on_request(free_port),
         halo_client.connect(url) as receiver,
         pytest.raises(ClientError, match=r"refuses: .*rate must be a number of frames"),
     ):

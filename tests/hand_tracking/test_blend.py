@@ -18,7 +18,7 @@ MADE_UP = Camera(
     fps=30,
     depth=Lens(640, 576, 504.0, 504.0, 320.0, 330.0, (0.5, -0.02, 0, 0, 0, 0.85, 0.07, -0.01)),
     colour=Lens(1280, 720, 612.0, 612.0, 640.0, 366.0, (0.06, -0.04, 0, 0, 0, 0, 0, 0)),
-    # 32 mm beside the depth camera, which looks 6 degrees lower.
+    # 32 mm from the depth camera, which looks 6 degrees lower.
     colour_from_depth=np.array(
         [
             [1, 0, 0, -32],

@@ -103,7 +103,7 @@ def test_an_outline_without_depth_is_bridged() -> None:
 
 def test_a_neighbour_does_not_turn_the_finger() -> None:
     picture = finger(0.0, 6.0, 26.0)
-    picture[300:360, 332:350] = -60.0  # a folded finger beside it, higher up
+    picture[300:360, 332:350] = -60.0  # a folded finger next to it, higher up
     found = outline(picture, MEASURED, (END[0], END[1] + 5.0), (0.26, -0.97), RADIUS_PX)
     assert found is not None
     assert math.dist(found.place.tip_px, (END[0] - 0.5, END[1] - 0.5)) < 1.5

@@ -27,8 +27,8 @@ PLACE_STEPS = ("surface", "projector", "anchor")
 LOOKED_AT = 60
 """Frames of a board that are averaged at most: more make the picture no clearer."""
 MIDDLE = (0.5, 0.9)
-"""Part of a stripe picture's time in which it is surely shown: a projector and the camera are late
-by a quarter of a second."""
+"""Part of the time of a stripe picture in which it is certainly shown: projector and camera are
+late by a quarter of a second."""
 
 ObserverFor = Callable[[Profile], Observer]
 

@@ -131,7 +131,7 @@ def _pose(rigid: Rigid, plane: Surface, surface: Surface) -> Points:
 
 
 def _white(marker: Printed) -> Points:
-    """(K * 4, 2) mm, the corners of what is surely white: its light squares and those around it."""
+    """(K * 4, 2) mm, the corners of what is certainly white: light squares and those around it."""
     (number,) = marker.middles_mm
     black = np.pad(marker_squares(marker.family, number), 1)
     rows, columns = np.nonzero(~black)

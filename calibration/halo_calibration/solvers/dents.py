@@ -135,9 +135,9 @@ def _fitted(terms: Floats, values: Floats, orders: Sequence[int]) -> _Fit:
     inliers = np.ones(len(values), np.bool_)
     variance = 1.0
     for _ in range(ROUNDS):
-        kept = terms[inliers]
-        normal = kept.T @ kept + CORRELATED * variance * prior
-        weights = np.linalg.solve(normal, kept.T @ values[inliers])
+        used = terms[inliers]
+        normal = used.T @ used + CORRELATED * variance * prior
+        weights = np.linalg.solve(normal, used.T @ values[inliers])
         off = np.abs(values - terms @ weights)
         sigma = 1.4826 * float(np.median(off[inliers])) + 1e-6
         inliers, variance = off < OUTLIER_SIGMAS * sigma, sigma**2

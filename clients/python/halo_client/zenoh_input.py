@@ -31,7 +31,7 @@ class ZenohInput:
     """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open.
 
     A session of mode `client` opens only while its router runs: it is opened again and again until
-    then, and the user is told once.
+    then, and this is logged once.
     """
 
     def __init__(self, source: ZenohSource) -> None:

@@ -117,11 +117,11 @@ def seen_of(places_mm, which, noise_px=0.0):
 
 
 ALL = list(range(len(BOARD.points_px)))
-LAID = sent(BACK, BOARD.points_px)
+POINTS = sent(BACK, BOARD.points_px)
 
 
 def test_corners_that_contradict_are_named():
-    seen = seen_of(LAID, ALL)
+    seen = seen_of(POINTS, ALL)
     seen.picture[[7, 20]] += 30.0
     solved = projector_of(seen, BOARD, LENS, np.eye(4), OVER)
     assert solved.outliers == ("corner 7", "corner 20")
@@ -133,11 +133,11 @@ def test_corners_that_contradict_are_named():
 @pytest.mark.parametrize(
     ("seen", "why"),
     [
-        (seen_of(LAID * (1.0, 0.02) + (0.0, 90.0), ALL), "in a line"),
-        (seen_of(LAID, ALL[:9]), "in a line"),
-        (seen_of(LAID, [n for n in ALL if n % 9 < 4]), "hidden (at the|in the)"),
-        (seen_of(LAID, ALL, noise_px=2.5), "fit is off by .* px, and 3 are the most|contradict"),
-        (seen_of((300.0, 0.0) + LAID * (-1.0, 1.0), ALL), "is mirrored"),
+        (seen_of(POINTS * (1.0, 0.02) + (0.0, 90.0), ALL), "in a line"),
+        (seen_of(POINTS, ALL[:9]), "in a line"),
+        (seen_of(POINTS, [n for n in ALL if n % 9 < 4]), "hidden (at the|in the)"),
+        (seen_of(POINTS, ALL, noise_px=2.5), "fit is off by .* px, and 3 are the most|contradict"),
+        (seen_of((300.0, 0.0) + POINTS * (-1.0, 1.0), ALL), "is mirrored"),
         (
             seen_of(np.random.default_rng(2).uniform(0, 200, (45, 2)), ALL),
             "contradict",

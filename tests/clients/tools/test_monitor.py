@@ -1,4 +1,4 @@
-"""The monitor shows what arrives, as a picture and as JSON, and ends as it is asked to."""
+"""The monitor shows what arrives, as a picture and as JSON, and ends as its options say."""
 
 import json
 import os

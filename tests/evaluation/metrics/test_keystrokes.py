@@ -16,10 +16,10 @@ from tests.evaluation.small_world import (
 
 
 def typed_touches(text, reported, again=(), aside_mm=0.0):
-    """Type a text; `reported`: what of each stroke is published, mm beside it or None.
+    """Type a text; `reported`: what of each stroke is published, mm next to it or None.
 
-    `again`: mm beside the key at which some strokes are reported once more, by their number;
-    `aside_mm`: how far beside the middle of their keys the fingers land.
+    `again`: mm next to the key at which some strokes are reported once more, by their number;
+    `aside_mm`: how far from the middle of their keys the fingers land.
     """
     layout, lines, downs = keys(), [], {}
     for k, (character, off) in enumerate(zip(text, reported, strict=True)):
@@ -53,7 +53,7 @@ def test_keys_are_wrong_where_another_was_reported():
         "each once",
         "one twice",
         "one as its neighbour, too",
-        "beside the keyboard",
+        "next to the keyboard",
         "landed at the key's edge",
     ],
 )

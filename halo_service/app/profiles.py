@@ -60,8 +60,33 @@ def copy(name: str, to: str) -> Path:
     return folder
 
 
-def export(name: str, out: Path) -> None:
-    """Write a profile into one file."""
+def rename(name: str, to: str) -> Path:
+    """Give a profile another name; raises `UserError` if the new name exists."""
+    folder = copy(name, to)
+    delete(name)
+    return folder
+
+
+def delete(name: str) -> Path:
+    """Remove a profile, also one that cannot be read; raises `UserError` if there is none."""
+    folder = profile_path(name)
+    if not exists(folder):
+        load(folder)  # its sentence says that there is none
+    try:
+        for path in sorted(folder.glob("*")):
+            if path.name in (TEXT, ".lock") or path.suffix in (".npz", ".part"):
+                path.unlink()
+        if not any(folder.iterdir()):
+            folder.rmdir()  # what is not of the profile stays
+    except OSError as error:
+        raise UserError(f"the profile {folder} cannot be removed ({error.strerror})") from error
+    return folder
+
+
+def export(name: str, out: Path, force: bool = False) -> None:
+    """Write a profile into one file; raises `UserError` if there is such a file, unless `force`."""
+    if out.is_file() and not force:
+        raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
     pack(profile_path(name), out)
 
 

@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
+from halo_service.app.evaluation_ui.evaluate import StudyOptions, evaluate
 from halo_service.app.virtual_user.profile import virtual_profile
+from halo_service.errors import UserError
 from halo_service.profile.store import load, save
 from halo_service.settings import Settings
 from halo_service.virtual.sim_url import parse_sim_url
@@ -87,6 +89,19 @@ def test_wrong_numbers_are_refused(
     with pytest.raises(SystemExit):
         main(["evaluate", option, text])
     assert f"argument {option}: {text!r} must be" in capsys.readouterr().err
+
+
+def test_hours_of_work_begin_only_after_a_question(tmp_path: Path) -> None:
+    asked: list[float] = []
+
+    def refuse(hours: float) -> bool:
+        asked.append(hours)
+        return False
+
+    with pytest.raises(UserError, match="nothing was run; 'halo evaluate --quick'"):
+        evaluate(Settings(), StudyOptions(cache=tmp_path, jobs=2), refuse)
+    assert asked[0] > 1.0
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unknown_method_is_refused_before_a_session_begins(

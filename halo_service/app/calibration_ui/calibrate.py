@@ -220,5 +220,7 @@ def _detector_for(
 
 def _next_step(settings: Settings) -> str:
     source = settings.source.name
+    # This scenario ends after the steps, and its finger with it.
+    source = source.replace("sim:calibration", "sim:demo", 1)
     shown = "" if source == "auto" or source.startswith("recording:") else f" --source {source}"
     return f"Done. Use it with: halo serve{shown} --profile {settings.profile}"

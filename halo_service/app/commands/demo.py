@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from halo_service.errors import UserError
@@ -46,7 +47,12 @@ DEMOS = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command; the client gets every other option."""
     parser.set_defaults(forwards_options=True)
-    parser.add_argument("client", choices=tuple(DEMOS), metavar="CLIENT", help="drums or paint")
+    parser.add_argument(
+        "client",
+        choices=tuple(DEMOS),
+        metavar="CLIENT",
+        help="drums or paint; it gets all other options (see halo-drums --help, halo-paint --help)",
+    )
     parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo,seed=3")
 
 
@@ -73,6 +79,7 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
     programs: list[subprocess.Popen[bytes]] = []
     try:
         programs.append(_start("halo_service.app.cli", *serve))
+        _wait_for_frames(port, programs[0])
         programs.append(_start(chosen.module, "--from", f"osc://{osc}", *chosen.options, *rest))
         service, client = programs
         while service.poll() is None and client.poll() is None:
@@ -82,6 +89,17 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
         return 0
     finally:
         _end(programs)
+
+
+def _wait_for_frames(port: int, service: subprocess.Popen[bytes]) -> None:
+    """Wait until the service sends, so that the client need not say that nothing comes."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.bind(("127.0.0.1", port))
+        client.settimeout(TICK_S)
+        while service.poll() is None:
+            with suppress(TimeoutError):
+                client.recv(65_536)
+                return
 
 
 def _start(module: str, *options: str) -> subprocess.Popen[bytes]:

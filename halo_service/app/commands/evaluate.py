@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -101,7 +102,15 @@ def _results(options: argparse.Namespace) -> Sequence[Result]:
         options.jobs,
         options.sensor,
     )
-    return evaluate.evaluate(settings, study)
+    return evaluate.evaluate(settings, study, _confirm)
+
+
+def _confirm(hours: float) -> bool:
+    """Ask on a terminal whether to run for so long; a script is not asked."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return True
+    print(f"This takes about {hours:.1f} hours on this machine. Run it? [y/N] ", file=sys.stderr)
+    return input().strip().lower() in ("y", "yes")
 
 
 def check_combination(options: argparse.Namespace) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -33,6 +33,9 @@ from halo_service.sources.recording import Recording
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.materials import MATERIALS, STUDIED
 
+ASK_H = 0.5
+"""A run that takes longer begins only after a question, where somebody can answer."""
+
 
 @dataclass(frozen=True, slots=True)
 class StudyOptions:
@@ -56,8 +59,15 @@ def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
     return study.choose(wanted, tuple(METHODS), "method")
 
 
-def evaluate(settings: Settings, options: StudyOptions) -> tuple[Result, ...]:
-    """Run the study, with a progress bar; raises `UserError` for a wrong request."""
+def evaluate(
+    settings: Settings,
+    options: StudyOptions,
+    confirm: Callable[[float], bool] = lambda hours: True,
+) -> tuple[Result, ...]:
+    """Run the study, with a progress bar; raises `UserError` for a wrong request.
+
+    `confirm` is asked before a run that takes longer than `ASK_H`.
+    """
     tracker = _tracker(settings.tracking)
     cache = RecordingCache(
         options.cache or cache_folder() / "recordings",
@@ -69,6 +79,9 @@ def evaluate(settings: Settings, options: StudyOptions) -> tuple[Result, ...]:
     request = StudyRequest(
         _plan(options, cache), methods, cache, settings.sensing, _jobs(options.jobs)
     )
+    hours = work_s(request) / 3600.0 / request.jobs
+    if hours > ASK_H and not confirm(hours):
+        raise UserError("evaluate: nothing was run; 'halo evaluate --quick' takes five minutes")
     with progress("study", work_s(request)) as bar:
         return run(request, bar.advance)
 

@@ -40,6 +40,7 @@ from halo_service.sources import Source
 from halo_service.values import Frame
 
 if TYPE_CHECKING:
+    from halo_service.virtual.room import Room
     from halo_service.web.announcement import Announcement
     from halo_service.web.server import WebServer
 
@@ -129,17 +130,24 @@ def profile_for(source: Source, saved: Profile | None, settings: Settings) -> Pr
         require_fit(saved, source.camera)
         return saved
     if source.kind == "virtual":
-        log.info("profile: measuring the virtual table, a few seconds")
-        from halo_service.app.virtual_user.profile import virtual_profile
+        from halo_service.app.virtual_user.cache import cached_profile
         from halo_service.virtual.live import VirtualKinect
 
         assert isinstance(source, VirtualKinect)  # the only virtual source here
-        return virtual_profile(source.room, settings)
+        return cached_profile(source.room, settings, _measured)
     log.warning(
         "profile: none, so frames have no pointers; run 'halo calibrate --profile desk', "
         "then start with --profile desk"
     )
     return None
+
+
+def _measured(room: Room, settings: Settings) -> Profile:
+    """Calibrate on the virtual table."""
+    from halo_service.app.virtual_user.profile import virtual_profile
+
+    log.info("profile: measuring the virtual table; this takes 5 to 20 s, once for each room")
+    return virtual_profile(room, settings)
 
 
 def _node(name: str) -> str:

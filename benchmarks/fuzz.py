@@ -27,8 +27,10 @@ from fuzzing import attacks, clients
 from fuzzing.service import Service
 
 HERE = Path(__file__).parent
-MOST_GROWTH_MB = 8.0
-LONGEST_GAP_S = 1.0
+MOST_GROWTH_MB = 16.0
+"""16 bytes for each of a million inputs."""
+LONGEST_GAP_S = 3.0
+"""Silence after which a client treats the service as lost."""
 SHARES = {"datagrams": 0.6, "messages": 0.3, "requests": 0.1}
 """Of the inputs for the service."""
 ERRORS = ("Traceback", "Error handling", "unexpected", "exception")

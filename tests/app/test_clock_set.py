@@ -75,9 +75,9 @@ def test_only_health_reports_it(
         command = [sys.executable, "-c", program, clock_is_set, "serve"]
         service = spawn(*command, "--control-port", str(free_port()), *options)
         client.recv(65_536)
-        received = list(messages(client, 2.0))
+        received = list(messages(client, 1.2))
         clock_is_set.touch()
-        received += messages(client, 3.0)
+        received += messages(client, 2.0)
         service.terminate()
         _, said = service.communicate(timeout=20.0)
     frames = [each for each in received if isinstance(each, wire.Frame)]
@@ -89,7 +89,7 @@ def test_only_health_reports_it(
     intervals_us = [b.time_us - a.time_us for a, b in pairwise(frames)]
     assert min(intervals_us) > 0
     assert max(intervals_us) < 1_500_000
-    assert frames[-1].time_us - frames[0].time_us == pytest.approx(5e6, abs=1.5e6)
+    assert frames[-1].time_us - frames[0].time_us == pytest.approx(3.2e6, abs=1.5e6)
     assert abs(frames[-1].time_s - time.time()) < 10.0, "it follows slowly, not at once"
     assert (healths[0].clock_jumps, healths[-1].clock_jumps) == (0, 1)
     assert healths[-1].clock_error_ms == pytest.approx(SET_S * 1000, abs=100.0)

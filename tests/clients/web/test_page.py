@@ -119,13 +119,13 @@ def test_the_client_waits_for_a_service_and_finds_it_again(
 
     def run() -> None:
         for session in ("s1", "s2"):
-            if over.wait(1.0):
+            if over.wait(0.4):
                 return
             with closing(WebServer(WebSettings(port=free_tcp_port))) as server:
-                for number in range(30 if session == "s1" else 600):
+                for number in range(20 if session == "s1" else 600):
                     sent = frame(number, fingers(2))
                     server.send(replace(sent, header=replace(sent.header, session=session)))
-                    if over.wait(0.1):
+                    if over.wait(0.05):
                         return
 
     thread = threading.Thread(target=run)

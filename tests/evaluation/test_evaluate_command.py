@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.evaluation_ui.evaluate import StudyOptions, evaluate
+from halo_service.app.evaluation_ui import evaluate as study
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.profile.store import load, save
@@ -99,7 +99,7 @@ def test_hours_of_work_begin_only_after_a_question(tmp_path: Path) -> None:
         return False
 
     with pytest.raises(UserError, match="nothing was run; 'halo evaluate --quick'"):
-        evaluate(Settings(), StudyOptions(cache=tmp_path, jobs=2), refuse)
+        study.evaluate(Settings(), study.StudyOptions(cache=tmp_path, jobs=2), refuse)
     assert asked[0] > 1.0
     assert list(tmp_path.iterdir()) == []
 

@@ -79,7 +79,7 @@ class Observer:
         scale = Scale(frame.depth, profile)
         excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
         self._drift = follow_drift(self._drift, frame.depth, profile.background, frame.time_us)
-        solid = infrared_silhouette(frame.ir, profile.background, scale.on_surface)
+        solid = infrared_silhouette(frame.ir, profile.background, excess, scale.on_surface)
         segmentation = segment(excess, self._settings, profile.halo_threshold_mm, solid)
         seen = [
             each

@@ -83,7 +83,7 @@ def look(
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
     rows, columns = part
     threshold_mm = profile.halo_threshold_mm
-    solid = infrared_silhouette(frame.ir, profile.background, scale.on_surface, part)
+    solid = infrared_silhouette(frame.ir, profile.background, excess_mm, scale.on_surface, part)
     segmentation = segment(excess_mm, settings, threshold_mm, solid, columns.start, rows.start)
     return Scene(
         frame, places, claims, segmentation, label_pixels(places, segmentation), profile, settings

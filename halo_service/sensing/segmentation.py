@@ -17,6 +17,9 @@ from halo_service.values import Infrared
 DIFFERS, DIFFERS_SIGMAS = 0.15, 4.0
 """Infrared differs by more than this share of the empty surface's, and than so many of its standard
 deviations (chosen: a finger's sides are darker by half and more)."""
+FLAT_MM, AROUND_MM, LEAST_FLAT = 15.0, 60.0, 0.05
+"""The level is the mean of what reads within so many mm of the surface, a dent included, in a
+square of that side; with less than this share of it, all differs."""
 BETWEEN_MM = 9.0
 """What is this narrow between two such sides is finger (chosen: the middle half of a finger as
 bright as the surface)."""
@@ -94,22 +97,40 @@ def segment(
 
 
 def infrared_silhouette(
-    infrared: Infrared, background: Background, px_per_mm: float, part: Part = WHOLE
+    infrared: Infrared,
+    background: Background,
+    excess_mm: NDArray[np.float32],
+    px_per_mm: float,
+    part: Part = WHOLE,
 ) -> NDArray[np.bool_] | None:
-    """Return (h, w) where infrared differs from the empty surface's; None where it is unknown.
+    """Return (h, w) where infrared shows something other than the surface; None where unknown.
 
     A finger's sides are darker than any surface that faces the camera; what lies between them is
-    finger too, though it may be as bright as the surface.
+    finger too, though it may be as bright as the surface. `excess_mm`: of that `part`; a sheet that
+    was laid on the surface since, or a lamp that warms up, changes the level that is expected.
     """
     if background.infrared is None or infrared.shape != background.infrared.shape:
         return None
-    empty = background.infrared[part]
-    if empty.size == 0:  # no finger is in the image
+    if excess_mm.size == 0:  # no finger is in the image
         return None
-    least = max(DIFFERS, DIFFERS_SIGMAS * background.infrared_noise)
-    differs = np.abs(infrared[part] - empty) > np.float32(least) * empty
+    share = infrared[part] / np.maximum(background.infrared[part], np.float32(1.0))
+    least = np.float32(max(DIFFERS, DIFFERS_SIGMAS * background.infrared_noise))
+    differs = np.abs(excess_mm) > FLAT_MM
+    for _ in range(2):  # the first level still holds the end of a touching finger
+        level = _mean_around(share, ~differs, round(AROUND_MM * px_per_mm) | 1)
+        differs |= np.abs(share - level) > least * level
+    differs = np.abs(share - level) > least * level
     clean = cv2.medianBlur(differs.astype(np.uint8), 3)
     width_px = round(BETWEEN_MM * px_per_mm) | 1
     return np.asarray(
         cv2.morphologyEx(clean, cv2.MORPH_CLOSE, np.ones((width_px, width_px), np.uint8)) > 0
     )
+
+
+def _mean_around(
+    image: NDArray[np.float32], seen: NDArray[np.bool_], width_px: int
+) -> NDArray[np.float32]:
+    """Return the mean of what is seen in a square around each pixel."""
+    weight, size = seen.astype(np.float32), (width_px, width_px)
+    share = np.maximum(cv2.blur(weight, size), np.float32(LEAST_FLAT))
+    return np.asarray(cv2.blur(image * weight, size) / share, np.float32)

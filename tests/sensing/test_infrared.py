@@ -29,6 +29,11 @@ EMPTY = Background(
 )
 
 
+FLAT = np.zeros(SHAPE, np.float32)
+FLAT[TIP[1] + 20 : 500, TIP[0] - RADIUS : TIP[0] + RADIUS] = -40.0
+"""Of a finger whose last 2 cm read like the surface."""
+
+
 def infrared(side: float, middle: float) -> NDArray[np.uint16]:
     """Draw a finger that points up the image, in shares of the surface's brightness."""
     share = np.ones(SHAPE, np.float32)
@@ -44,7 +49,7 @@ def infrared(side: float, middle: float) -> NDArray[np.uint16]:
 def test_a_finger_differs_in_infrared_though_its_middle_is_as_bright_as_the_table(
     middle: float,
 ) -> None:
-    solid = infrared_silhouette(infrared(0.5, middle), EMPTY, 1.0)
+    solid = infrared_silhouette(infrared(0.5, middle), EMPTY, FLAT, 1.0)
     assert solid is not None
     assert solid[TIP[1] + 6 : 480, TIP[0] - 5 : TIP[0] + 5].all()
     assert not solid[: TIP[1] - 3].any()
@@ -53,7 +58,16 @@ def test_a_finger_differs_in_infrared_though_its_middle_is_as_bright_as_the_tabl
 
 def test_an_older_profile_knows_no_infrared() -> None:
     old = Background(EMPTY.mean_mm, EMPTY.noise_mm, EMPTY.valid)
-    assert infrared_silhouette(infrared(0.5, 0.5), old, 1.0) is None
+    assert infrared_silhouette(infrared(0.5, 0.5), old, FLAT, 1.0) is None
+
+
+@pytest.mark.parametrize("brightness", [0.5, 1.6], ids=["dark", "bright"])
+def test_a_sheet_that_was_laid_on_the_table_since_is_no_finger(brightness: float) -> None:
+    on_sheet = (infrared(0.5, 0.5) * brightness).astype(np.uint16)
+    solid = infrared_silhouette(on_sheet, EMPTY, FLAT, 1.0)
+    assert solid is not None
+    on_table = infrared_silhouette(infrared(0.5, 0.5), EMPTY, FLAT, 1.0)
+    assert np.count_nonzero(solid != on_table) < 10  # rounded, near the threshold
 
 
 def test_a_finger_that_reads_below_the_surface_ends_where_infrared_ends() -> None:
@@ -72,7 +86,7 @@ def test_a_finger_that_reads_below_the_surface_ends_where_infrared_ends() -> Non
         return float("inf") if found is None else abs(found.place.tip_px[1] - TIP[1])
 
     assert off_mm(None) > 4.0
-    assert off_mm(infrared_silhouette(infrared(0.5, 0.5), EMPTY, 1.0)) < 1.5
+    assert off_mm(infrared_silhouette(infrared(0.5, 0.5), EMPTY, excess, 1.0)) < 1.5
 
 
 def hand(apart: float) -> NDArray[np.float64]:

@@ -71,13 +71,13 @@ def gallery(seed: int = 1, sensor: SensorModel = TRUE) -> Picture:
 
 def save(path: Path, seed: int = 1, sensor: SensorModel = TRUE) -> None:
     """Write the gallery as an image. Raises UserError where that cannot be."""
-    image = gallery(seed, sensor)
     if path.suffix.lower() not in (".png", ".jpg", ".webp"):
         raise UserError(f"The gallery is a picture: name it *.png, *.jpg or *.webp, not {path}.")
-    coded, data = cv2.imencode(path.suffix, image)
-    assert coded, "OpenCV encodes any uint8 picture"
     try:
+        # Opened first: a folder that does not exist is an error before 20 s of drawing.
         with appearing(path) as file:
+            coded, data = cv2.imencode(path.suffix, gallery(seed, sensor))
+            assert coded, "OpenCV encodes any uint8 picture"
             file.write(data.tobytes())
     except OSError as error:
         raise UserError(f"{path} cannot be written: {error.strerror}.") from None

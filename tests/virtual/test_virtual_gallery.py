@@ -56,10 +56,11 @@ def test_a_halo_shows_at_hover_on_all_materials_but_mirrors(saved):
     "name, sentence", [("picture.txt", "name it"), ("absent/picture.png", "cannot be written")]
 )
 def test_a_gallery_that_cannot_be_written_is_one_sentence(tmp_path, name, sentence, monkeypatch):
-    monkeypatch.setattr("halo_service.virtual.gallery.MATERIALS", {"paper": MATERIALS["paper"]})
-    monkeypatch.setattr("halo_service.virtual.gallery.VARIANTS", {})
+    drawn = []
+    monkeypatch.setattr("halo_service.virtual.gallery.gallery", lambda *_: drawn.append(1))
     with pytest.raises(UserError, match=sentence):
         save(tmp_path / name)
+    assert not drawn  # refused at once, not after 20 s of drawing
     assert not list(tmp_path.iterdir())
 
 

@@ -6,7 +6,7 @@ Rule: no I/O and no clock. Its only state is the frame number and the few events
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import halo_protocol as wire
@@ -16,16 +16,25 @@ from halo_service.values import Pointer, TouchEvent, TouchFrame
 REPEATS = 2
 """An event is sent in its own frame and in the next two, so one lost datagram hides none."""
 
+MOST_LATER = 64
+"""Events that wait to be sent once more."""
+
 
 class FrameEncoder:
     """Numbers the frames of one session and repeats recent events."""
 
     def __init__(
-        self, node: str, session: str, first_frame: int, max_bytes: int = wire.MAX_BUNDLE
+        self,
+        node: str,
+        session: str,
+        first_frame: int,
+        max_bytes: int = wire.MAX_BUNDLE,
+        again_ms: float = 0.0,
     ) -> None:
         """`first_frame`: from `halo_protocol.first_frame` when live, 0 in replay.
 
-        `max_bytes`: of a bundle. `ProtocolError` for a bad name.
+        `max_bytes`: of a bundle; `again_ms`: when each event is sent once more, see `OscSettings`.
+        `ProtocolError` for a bad name.
         """
         self.node = wire.check_name(node, "node")
         self.session = wire.check_session(session)
@@ -33,16 +42,23 @@ class FrameEncoder:
         self._max_bytes = max_bytes
         self._start_us: int | None = None
         self._past: deque[list[tuple[int, TouchEvent]]] = deque(maxlen=REPEATS)
+        self._again_us = again_ms * 1000.0
+        self._later: deque[tuple[int, TouchEvent]] = deque(maxlen=MOST_LATER)
 
     def encode(self, touch_frame: TouchFrame) -> OutgoingFrame:
         """Convert a frame, with the events of the two before it."""
         repeated = [
             replace(past, ago_ms=past.ago_ms + (touch_frame.time_us - since_us) / 1000.0)
-            for since_us, past in (pair for frame in self._past for pair in frame)
+            for since_us, past in (
+                *(pair for frame in self._past for pair in frame),
+                *self._due_again(touch_frame.time_us),
+            )
         ]
         if self._start_us is None:
             self._start_us = touch_frame.time_us
-        self._past.append([(touch_frame.time_us, event) for event in touch_frame.events])
+        new = [(touch_frame.time_us, event) for event in touch_frame.events]
+        self._past.append(new)
+        self._later.extend(new if self._again_us else ())
         downs, ups = event_messages([*touch_frame.events, *repeated], touch_frame)
         header = wire.Frame(
             self.node,
@@ -62,6 +78,11 @@ class FrameEncoder:
             tuple(ups),
             self._max_bytes,
         )
+
+    def _due_again(self, now_us: int) -> Iterator[tuple[int, TouchEvent]]:
+        """Yield the events that are sent for the last time."""
+        while self._later and now_us - self._later[0][0] >= self._again_us:
+            yield self._later.popleft()
 
 
 def pointer_message(pointer: Pointer, touch_frame: TouchFrame) -> wire.Pointer:

@@ -78,6 +78,23 @@ def test_a_client_that_loses_any_two_of_three_datagrams_still_counts_one_hit() -
         assert hits == 1, lost
 
 
+@pytest.mark.parametrize("pause_from", range(12))
+def test_with_one_copy_more_a_wifi_that_pauses_for_300_ms_hides_no_hit(pause_from: int) -> None:
+    """The finger taps and leaves, so that no pointer shows it later."""
+    frames, client = FrameEncoder("desk", "s1", 0, again_ms=400.0), wire.Assembler()
+    found: list[str] = []
+    up = replace(DOWN, kind="up", strike_mm_s=0.0)
+    for n in range(40):
+        pointers = (POINTER,) if 10 <= n < 13 else ()
+        events = {10: (DOWN,), 13: (up,)}.get(n, ())
+        for datagram in frames.encode(touch_frame(n, pointers, *events)).datagrams:
+            if not pause_from <= n < pause_from + 9:
+                for event in client.receive_data(datagram, n / 30):
+                    assert isinstance(event, wire.TouchFrame)
+                    found += [type(each).__name__ for each in event.events]
+    assert found == ["Down", "Up"]
+
+
 def test_the_session_time_starts_at_the_first_frame() -> None:
     frames = FrameEncoder("desk", "s1", 0)
     headers = [messages(frames.encode(touch_frame(n)))[0] for n in (7, 8, 37)]

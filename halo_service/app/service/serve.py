@@ -71,7 +71,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         carriers = [osc, *_zenoh(settings, names, surface, stack), *([web] if web else [])]
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
-        frames = FrameEncoder(node, session, first, settings.osc.max_bytes)
+        frames = FrameEncoder(node, session, first, settings.osc.max_bytes, settings.osc.again_ms)
         folder = profile_path(settings.profile) if settings.profile else None
         reloader = ProfileReloader(folder, source.camera, profile)
         stack.callback(reloader.close)

@@ -21,6 +21,8 @@ VALUES = (
 """Name and type of a slot's values."""
 GONE = (("hover", "f", -1.0), ("touch", "i", 0))
 """Values of a slot without a finger."""
+FRESH_MS = 250.0
+"""An event in its three frames is younger, at 15 frames a second too."""
 SLOTS = 10
 """Slots that every frame reports as free or used; a service uses 0 to 9."""
 REFRESH_US = 1_000_000
@@ -64,7 +66,9 @@ class FlatFormat:
 
 def _chunks(frame: OutgoingFrame) -> Iterator[bytes]:
     """The elements of each slot, then `count`."""
-    strikes = {down.id: down.strike_mm_s for down in frame.downs}
+    # Not one that is sent once more much later: a reader without numbers would hit again.
+    fresh = (down for down in frame.downs if down.ago_ms < FRESH_MS)
+    strikes = {down.id: down.strike_mm_s for down in fresh}
     used = set()
     for p in frame.pointers:
         used.add(p.slot)

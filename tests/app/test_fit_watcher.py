@@ -17,11 +17,12 @@ from halo_service.app.service.fit_watcher import (
     FitJudge,
     FitWatcher,
     marker_off_mm,
+    watched,
 )
 from halo_service.profile import Anchor, Profile
 from halo_service.profile.store import require_fit
 from halo_service.sensing.fit import surface_fit
-from halo_service.values import Frame
+from halo_service.values import Frame, Tracked
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 from tests.drawn import VIEWS, DrawnTable
@@ -198,3 +199,17 @@ def test_a_moved_virtual_camera_does_not_fit(change: str, good: bool) -> None:
     profile, _ = profile_of(room)
     _, sensor = profile_of(room + change)
     assert surface_fit(sensor.frame(33_333, [], []).depth, profile).good == good
+
+
+def test_a_recording_that_the_profile_does_not_fit_is_warned_of_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    table = VIEWS["500 mm"]
+    look = watched(lambda frame: Tracked(frame.time_us, ()), table.profile)
+    for change in ({}, {"tilted_deg": 3.0}):
+        depth = shown(table, **change)
+        for n in range(300):
+            assert look(Frame(n * 33_333, depth, depth)).time_us == n * 33_333
+        look = watched(lambda frame: Tracked(frame.time_us, ()), table.profile)
+    (said,) = [each.getMessage() for each in caplog.records]
+    assert "'drawn' does not fit: the surface is" in said

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
+from halo_service.app.service.fit_watcher import watched
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import METHODS, NEEDS_NO_STATES, READS_PROFILE
 from halo_service.evaluation.metrics.result import Result
@@ -116,10 +117,11 @@ def evaluate_recording(settings: Settings, options: RecordingOptions) -> tuple[R
             closing(HandDetector(source.camera, profile, settings.tracking)) as detector,
             progress(f"evaluating {options.recording.name}") as bar,
         ):
+            detect = watched(detector.detect, profile)
 
             def track(frame: Frame) -> Tracked:
                 bar.advance()
-                return detector.detect(frame)
+                return detect(frame)
 
             return judge_recording(
                 source,

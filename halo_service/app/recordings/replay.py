@@ -8,6 +8,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from halo_service.app.files import written
+from halo_service.app.service.fit_watcher import watched
 from halo_service.evaluation.methods import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
@@ -57,4 +58,4 @@ def _detector(source: Source, profile: Profile | None, settings: Settings) -> It
     from halo_service.app.hand_detector import HandDetector
 
     with closing(HandDetector(source.camera, profile, settings.tracking)) as detector:
-        yield detector.detect
+        yield watched(detector.detect, profile)

@@ -21,7 +21,7 @@ from halo_service.profile import Anchor, Profile
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.latest import Latest
 from halo_service.sensing.fit import MOVED_MM, surface_fit
-from halo_service.values import Depth, Frame
+from halo_service.values import Depth, Frame, Tracked
 
 log = logging.getLogger(__name__)
 
@@ -117,6 +117,22 @@ class FitWatcher:
             log.warning("profile: '%s' does not fit: %s", profile.name, self._judge.reason)
         elif before != "unknown":
             log.warning("profile: '%s' fits again", profile.name)
+
+
+def watched(detect: Callable[[Frame], Tracked], profile: Profile) -> Callable[[Frame], Tracked]:
+    """Return a hand tracker that also warns once if the profile does not fit a recording."""
+    judge, checked_us = FitJudge(), None
+
+    def detect_and_check(frame: Frame) -> Tracked:
+        nonlocal checked_us
+        due = checked_us is None or frame.time_us - checked_us >= CHECK_US
+        if due and not judge.reason:
+            checked_us = frame.time_us
+            if judge.see(profile, frame.depth, None) and judge.reason:
+                log.warning("profile: '%s' does not fit: %s", profile.name, judge.reason)
+        return detect(frame)
+
+    return detect_and_check
 
 
 def _check(profile: Profile, depth: Depth, picture: Picture | None) -> tuple[Fit, str]:

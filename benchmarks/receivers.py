@@ -33,9 +33,12 @@ class Counter:
         self.frames = [0] * count
         self.late_ms: list[float] = []
 
-    def receive(self, client: int, datagram: bytes) -> None:
+    def receive(self, client: int, data: bytes | str) -> None:
         """Count a part of a frame; its time is the moment of publishing, on a monotonic clock."""
-        seconds, rest_us = struct.unpack_from(">ii", datagram, TIME_AT)
+        if isinstance(data, str):
+            seconds, rest_us = divmod(int(data.partition('"time_us":')[2].partition(",")[0]), 10**6)
+        else:
+            seconds, rest_us = struct.unpack_from(">ii", data, TIME_AT)
         self.late_ms.append((time.monotonic() - seconds) * 1e3 - rest_us / 1e3)
         self.frames[client] += 1
 
@@ -52,7 +55,8 @@ def main() -> None:
     ended = threading.Event()
     threading.Thread(target=wait_for_end, args=(ended,), daemon=True).start()
     counter = Counter(count)
-    {"udp": by_udp, "websocket": by_websocket, "zenoh": by_zenoh}[kind](counter, endpoint, ended)
+    receive = {"udp": by_udp, "websocket": by_websocket, "json": by_json, "zenoh": by_zenoh}[kind]
+    receive(counter, endpoint, ended)
     print(counter.text())
 
 
@@ -81,12 +85,17 @@ def by_udp(counter: Counter, endpoint: str, ended: threading.Event) -> None:
 
 def by_websocket(counter: Counter, url: str, ended: threading.Event) -> None:
     """Connect to a WebSocket."""
-    asyncio.run(_websockets(counter, url, ended))
+    asyncio.run(_websockets(counter, url, ended, "halo.1.osc"))
 
 
-async def _websockets(counter: Counter, url: str, ended: threading.Event) -> None:
+def by_json(counter: Counter, url: str, ended: threading.Event) -> None:
+    """Connect to a WebSocket and receive text."""
+    asyncio.run(_websockets(counter, url, ended, "halo.1.json"))
+
+
+async def _websockets(counter: Counter, url: str, ended: threading.Event, protocol: str) -> None:
     async with aiohttp.ClientSession() as session:
-        sockets = [await session.ws_connect(url, protocols=("halo.1.osc",)) for _ in counter.frames]
+        sockets = [await session.ws_connect(url, protocols=(protocol,)) for _ in counter.frames]
         print("ready", flush=True)
         reading = [asyncio.create_task(_read(counter, n, each)) for n, each in enumerate(sockets)]
         while not ended.is_set():

@@ -44,7 +44,6 @@ from halo_protocol import (
     to_json,
 )
 from halo_protocol.table import ROW_OF_MESSAGE
-from halo_service.web.views import json_text
 
 HERE = Path(__file__).parent
 VECTORS = HERE / "vectors" / VERSION.rpartition(".")[0]
@@ -142,7 +141,7 @@ def format_vector(case: FrameCase) -> Json:
         ]
         for stream in formats.STREAMS
     }
-    text = json.loads(json_text(formats.outgoing(case)))
+    text = json.loads(formats.outgoing(case).text)
     return {**_named(case), "size_mm": list(formats.SIZE_MM), **streams, "json": text}
 
 

@@ -1,13 +1,15 @@
-"""What the service sends: a frame or a report, as messages and, once needed, as bytes.
+"""What the service sends: a frame or a report, as messages and, once needed, as bytes or text.
 
-Rule: values only. Each output takes the form that it needs; the bytes are encoded once.
+Rule: values only. Each output takes the form that it needs; bytes and text are encoded once,
+however many clients there are.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import halo_protocol as wire
 
@@ -33,6 +35,25 @@ class OutgoingFrame:
     def datagrams(self) -> list[bytes]:
         """The frame in the `frames` format."""
         return self.encoded()
+
+    @cached_property
+    def text(self) -> str:
+        """The frame as JSON: the header's fields, `time_us`, `pointers` and `events`.
+
+        An event comes in three frames with the same `contacts`, as on the wire.
+        """
+        return _json_text(
+            self,
+            {
+                **wire.to_json(self.header),
+                "time_us": self.header.time_us,
+                "pointers": [wire.to_json(each) for each in self.pointers],
+                "events": [
+                    *({"kind": "down", **wire.to_json(each)} for each in self.downs),
+                    *({"kind": "up", **wire.to_json(each)} for each in self.ups),
+                ],
+            },
+        )
 
     def encoded(self, *, timetagged: bool = False) -> list[bytes]:
         """Encode it, optionally with its time as timetag."""
@@ -64,5 +85,16 @@ class OutgoingReport:
         """The message in the `frames` format."""
         return [wire.encode(self.surface, self.message)]
 
+    @cached_property
+    def text(self) -> str:
+        """The message as JSON."""
+        return _json_text(self, wire.to_json(self.message))
+
 
 Outgoing = OutgoingFrame | OutgoingReport
+
+
+def _json_text(outgoing: Outgoing, view: dict[str, Any]) -> str:
+    """Return one line of JSON with the message's `kind` and `surface`."""
+    view = {"kind": outgoing.kind, "surface": outgoing.surface, **view}
+    return json.dumps(view, separators=(",", ":"), allow_nan=False)

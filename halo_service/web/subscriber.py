@@ -12,7 +12,6 @@ from halo_service.outputs.destination import Stream
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.outputs.stream_encoder import StreamEncoder
 from halo_service.web.requests import write_text
-from halo_service.web.views import json_text
 
 OSC, JSON = "halo.1.osc", "halo.1.json"
 """Subprotocols: OSC bundles as binary messages, or JSON as text. Without one: JSON."""
@@ -48,7 +47,7 @@ class Subscriber:
         if self.binary:
             self._append([*self._encoder.datagrams(outgoing)])
         elif (chosen := self._encoder.chosen(outgoing)) is not None:
-            self._append([json_text(chosen)])
+            self._append([chosen.text])
 
     def answer(self, datagram: bytes) -> None:
         """Queue the answer to a control message; from any thread."""

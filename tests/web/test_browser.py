@@ -14,7 +14,6 @@ import halo_protocol as wire
 from halo_service.outputs.outgoing import Outgoing, OutgoingReport
 from halo_service.web.server import WebServer
 from halo_service.web.settings import WebSettings
-from halo_service.web.views import json_text
 from tests.browser import needs_chromium, visit
 from tests.outputs.samples import TOUCHING, fingers, frame
 
@@ -71,6 +70,6 @@ def test_chromium_gets_the_bundles(server: WebServer) -> None:
 
 @needs_chromium
 def test_chromium_gets_the_json_view(server: WebServer) -> None:
-    expected = [json.loads(json_text(each)) for each in SENT]
+    expected = [json.loads(each.text) for each in SENT]
     shown = visit({"index.html": PAGE}, f"index.html?{server.url},halo.1.json,{len(expected)}")
     assert shown == {"protocol": "halo.1.json", "found": expected}

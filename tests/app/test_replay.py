@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from halo_service.app.cli import main
+from halo_service.app.virtual_user.cache import cached_profile
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.outputs.jsonl import frame_line
 from halo_service.outputs.recorder import Recorder
@@ -39,7 +40,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
                 recorder.write(frame)
             truth += lines
     (folder / "truth.json").write_text(json.dumps(truth))
-    save(virtual_profile(request.room, Settings()), folder / "profile")
+    save(cached_profile(request.room, Settings(), virtual_profile), folder / "profile")
     return folder
 
 

@@ -16,6 +16,7 @@ import pytest
 
 import halo_protocol as wire
 from halo_service.app.cli import main
+from halo_service.app.virtual_user.cache import cached_profile
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Projector
@@ -37,7 +38,7 @@ def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A calibrated profile of a few centimetres: four crossings, so that a test is short."""
     room = parse_sim_url(SIM).room
-    profile = virtual_profile(room, Settings())
+    profile = cached_profile(room, Settings(), virtual_profile)
     corner = np.eye(4)
     corner[:3, 3] = (120.0, 80.0, 0.0)
     surface = Surface("table", 60.0, 60.0, profile.surface.camera_from_surface @ corner)

@@ -82,6 +82,7 @@ class Session:
 def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
     """`sensed("sim:drumming?seed=3", 12.0)`; cached, so tests of one file share it."""
     from halo_service.app.hand_detector import HandDetector
+    from halo_service.app.virtual_user.cache import cached_profile
     from halo_service.app.virtual_user.profile import virtual_profile
     from halo_service.outputs.jsonl import frame_line
     from halo_service.runtime.method import OURS
@@ -116,7 +117,7 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
     def make(name: str, seconds: float) -> Session:
         if name not in sessions:
             request, truth = parse_sim_url(name), []
-            profile = virtual_profile(request.room, Settings())
+            profile = cached_profile(request.room, Settings(), virtual_profile)
             recording = SimulatedRecording(request, seconds, colour=False, start_s=EMPTY_S)
             source = RecordingSource(recording, truth)
             detector = HandDetector(source.camera, profile, Settings().tracking)

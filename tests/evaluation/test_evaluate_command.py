@@ -12,6 +12,7 @@ import pytest
 
 from halo_service.app.cli import main
 from halo_service.app.evaluation_ui import evaluate as study
+from halo_service.app.virtual_user.cache import cached_profile
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.errors import UserError
 from halo_service.profile.store import load, save
@@ -151,7 +152,10 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     taken = ("--out", str(folder / "desk.mkv"), "--truth", str(folder / "truth"), "--no-colour")
     idle = f"idle?seed=205&{MODE}&{KIND_URL}"
     assert main(["simulate", idle, *taken, "--seconds", "0.3"]) == 0
-    save(virtual_profile(parse_sim_url(f"sim:{idle}").room, Settings()), folder / "profile")
+    save(
+        cached_profile(parse_sim_url(f"sim:{idle}").room, Settings(), virtual_profile),
+        folder / "profile",
+    )
     return folder
 
 

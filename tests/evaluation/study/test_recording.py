@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from halo_service.app.hand_detector import HandDetector
+from halo_service.app.virtual_user.cache import cached_profile
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.evaluation.study.recording import (
     StoredFrame,
@@ -47,7 +48,7 @@ class Both:
 def both() -> Both:
     settings = Settings()
     request = parse_sim_url(f"sim:demo?seed=205&material=wood&{KIND_URL}")
-    profile = virtual_profile(request.room, settings)
+    profile = cached_profile(request.room, settings, virtual_profile)
     simulation = SimulatedRecording(request, SECONDS, colour_times=2)
     frames: list[StoredFrame] = []
     reach = reach_box(profile.surface, simulation.camera)

@@ -49,6 +49,7 @@ TAPS_HZ = 2.0
 WARM_UP_S = 20.0
 GROWTH = 0.02
 """Of memory, after warm-up."""
+SUSPENDED_S = 4.0
 CLIENTS = 20
 UNREPORTED = -1.0
 """For what `health` does not report, because frames go on."""
@@ -157,6 +158,7 @@ class Seen:
             self.scene = message if isinstance(message, Scene) else self.scene
         elif isinstance(event, Lost):
             self.open = {key: at for key, at in self.open.items() if key[0] != event.session}
+            self.last_frame_s = None  # the frame before it was made by the client
         elif isinstance(event, TouchFrame):
             self._frame(event, now_s)
 
@@ -294,6 +296,11 @@ class Evening:
         self._watch(2.0)
         self._router = self._start_router()
         self.rows.append(("router killed", UNREPORTED, self._recovery()))
+        os.kill(self._service.pid or 0, signal.SIGSTOP)
+        self._watch(SUSPENDED_S)
+        self.seen.last_frame_s = None
+        os.kill(self._service.pid or 0, signal.SIGCONT)
+        self.rows.append(("suspended", UNREPORTED, self._recovery()))
         self._order("begin", "disk full")
         self._control("/halo/1/control/background")
         self._watch(4.0)

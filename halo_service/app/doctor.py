@@ -97,7 +97,7 @@ def _sdk(settings: Settings) -> Finding:
             "the SDK of the Azure Kinect is not installed",
             "it exists only for Linux and Windows on x86-64; on other systems use a recording or "
             "--source sim",
-            optional=settings.source.name != "azure-kinect",
+            optional=not settings.source.name.startswith("azure-kinect"),
         )
     return Finding("camera SDK", True, "installed")
 

@@ -40,10 +40,10 @@ def test_a_lost_service_leaves_no_touch_and_a_gap_is_counted() -> None:
     seen = Seen()
     down = Down(7, 0, 0.5, 0.5, 100.0, 3.0, 1)
     seen.update(frame(0, pointer(1), downs=(down,)), 0.0)
+    seen.update(frame(1), 2.0)
     seen.update(Lost("table", "soak", "s1"), 3.0)
-    seen.update(frame(1), 3.5)
-    seen.update(frame(2), 3.6)
-    assert (seen.gaps, seen.longest_gap_s, seen.downs) == (1, 3.5, 1)
+    seen.update(frame(2), 13.6)
+    assert (seen.gaps, seen.longest_gap_s, seen.downs) == (1, 2.0, 1)
     assert not seen.stuck and not seen.open
 
 

@@ -79,7 +79,9 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
     programs: list[subprocess.Popen[bytes]] = []
     try:
         programs.append(_start("halo_service.app.cli", *serve))
+        print("demo: the service starts; the first time it measures its table", file=sys.stderr)
         _wait_for_frames(port, programs[0])
+        print(f"demo: the service sends; {name} starts", file=sys.stderr)
         programs.append(_start(chosen.module, "--from", f"osc://{osc}", *chosen.options, *rest))
         service, client = programs
         while service.poll() is None and client.poll() is None:

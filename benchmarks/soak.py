@@ -36,7 +36,7 @@ from tests.faults import FAULTS, Fault, FaultyCamera, FaultyTracker, profile
 
 RECOVERED_S = 1.5
 """Wanted: from the end of a fault to the next touch."""
-TOLD_S = 12.0
+REPORTED_S = 12.0
 """Longest wait for a report of a fault: a silent camera is lost after 5 s, a profile does not fit
 after 3 checks."""
 STUCK_S = 1.5
@@ -181,11 +181,11 @@ class Seen:
 # ---- the evening
 
 
-Told = Callable[[Health, Health], bool]
+Shows = Callable[[Health, Health], bool]
 """Whether the later health reports the fault that began after the earlier one."""
 
 
-def _camera(state: Camera) -> Told:
+def _camera(state: Camera) -> Shows:
     return lambda before, after: after.camera == state
 
 
@@ -209,7 +209,7 @@ def _failed(before: Health, after: Health) -> bool:
     return after.tracker == Tracker.FAILED
 
 
-SWITCHED: dict[Fault, tuple[float, Told, bool]] = {
+SWITCHED: dict[Fault, tuple[float, Shows, bool]] = {
     "drops": (2.0, _dropped, True),
     "stalls": (0.0, _camera(Camera.LOST), True),
     "unplugged": (1.0, _camera(Camera.LOST), True),
@@ -258,8 +258,8 @@ class Evening:
         self._watch(min(WARM_UP_S, seconds / 5))
         warm = False
         while True:
-            for fault, (least_s, told, _) in SWITCHED.items():
-                self._switched(fault, least_s, told)
+            for fault, (least_s, shows, _) in SWITCHED.items():
+                self._switched(fault, least_s, shows)
                 self._quiet()
                 if time.monotonic() - began_s > seconds and warm:
                     break
@@ -277,16 +277,18 @@ class Evening:
         self._watch(0.5)
         self.ended_empty = not self.seen.open
 
-    def _switched(self, fault: Fault, least_s: float, told: Told) -> None:
+    def _switched(self, fault: Fault, least_s: float, shows: Shows) -> None:
         before = self.seen.health
         began_s = time.monotonic()
         self._order("begin", fault)
-        self._watch(TOLD_S, lambda: before is not None and told(before, self.seen.health or before))
-        reported = before is not None and told(before, self.seen.health or before)
-        told_s = time.monotonic() - began_s if reported else None
+        self._watch(
+            REPORTED_S, lambda: before is not None and shows(before, self.seen.health or before)
+        )
+        reported = before is not None and shows(before, self.seen.health or before)
+        reported_s = time.monotonic() - began_s if reported else None
         self._watch(least_s - (time.monotonic() - began_s))
         self._order("end", fault)
-        self.rows.append((fault, told_s, self._recovery()))
+        self.rows.append((fault, reported_s, self._recovery()))
 
     def _others(self) -> None:
         """Faults around the service: no camera, no tracker is involved."""
@@ -310,12 +312,12 @@ class Evening:
         began_s = time.monotonic()
         scene = self.seen.scene
         self._watch(5.0, lambda: (self.seen.scene or scene).revision == revision)  # type: ignore[union-attr]
-        told = self.seen.scene is not None and self.seen.scene.revision == revision
-        told_s = time.monotonic() - began_s if told else None
-        self.rows.append(("profile replaced", told_s, self._recovery()))
+        reported = self.seen.scene is not None and self.seen.scene.revision == revision
+        reported_s = time.monotonic() - began_s if reported else None
+        self.rows.append(("profile replaced", reported_s, self._recovery()))
         for _ in range(CLIENTS):
-            with halo_client.connect(f"osc://?hello=127.0.0.1:{self._ports['control']}") as guest:
-                guest.poll(0.05)
+            with halo_client.connect(f"osc://?hello=127.0.0.1:{self._ports['control']}") as client:
+                client.poll(0.05)
                 self._watch(0.05)
         self.rows.append((f"{CLIENTS} clients", UNREPORTED, self._recovery()))
 
@@ -396,9 +398,9 @@ class Evening:
         seen = self.seen
         print(f"{'fault':24} {'reported after':>15} {'touch again after':>18}")
         for name in dict.fromkeys(row[0] for row in self.rows):
-            told = _worst([row[1] for row in self.rows if row[0] == name])
+            reported = _worst([row[1] for row in self.rows if row[0] == name])
             back = _worst([row[2] for row in self.rows if row[0] == name])
-            print(f"{name:24} {_seconds(told):>15} {_seconds(back):>18}")
+            print(f"{name:24} {_seconds(reported):>15} {_seconds(back):>18}")
         print(f"frames {seen.frames}, gaps {seen.gaps}, longest gap {seen.longest_gap_s:.2f} s")
         print(f"touches {seen.downs}, lost {self.lost}, pointers stuck {len(seen.stuck)}")
         print(f"errors that left the live loop {errors}, restarts {self.restarts}")

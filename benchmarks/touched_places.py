@@ -43,9 +43,9 @@ def main() -> int:
 def found(seed: int, step: str, folder: Path) -> Profile:
     """Calibrate the background and one step by touch. Ends the program where that is refused."""
     place = str(folder / step)
-    for asked in (["background"], [step, "--by", "touch"]):
+    for step_options in (["background"], [step, "--by", "touch"]):
         source = f"sim:calibration?seed={seed}"
-        code = halo(["calibrate", *asked, "--source", source, "--profile", place])
+        code = halo(["calibrate", *step_options, "--source", source, "--profile", place])
         if code != 0:
             raise SystemExit(code)
     return load(Path(place))

@@ -15,6 +15,7 @@ class OscSettings:
     """`[osc]` in halo.toml."""
 
     enabled: bool = True
+    """Send to `destinations`."""
     destinations: tuple[str, ...] = (f"127.0.0.1:{DEFAULT_PORT}",)
     """`HOST:PORT[/FORMAT][,OPTION=VALUE ...]` of each client that receives frames by UDP. Formats:
     `frames`, `flat`, `tuio11`, `tuio2`. Options: `rate` (frames per second), `surface`, `bundles`,
@@ -43,6 +44,7 @@ class ZenohSettings:
     """`[zenoh]` in halo.toml. These settings override `config`; `config` overrides the defaults."""
 
     enabled: bool = True
+    """Open a Zenoh session."""
     listen: tuple[str, ...] = ()
     """Endpoints to listen on; empty: those of `config`, else tcp/127.0.0.1:7447."""
     connect: tuple[str, ...] = ()
@@ -59,6 +61,8 @@ class ControlSettings:
     """`[control]` in halo.toml: the port that receives messages from clients."""
 
     host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0 lets other machines send commands."""
     port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_CONTROL_PORT
+    """UDP port; a free one is used where it is in use."""
     networks: tuple[str, ...] = ("127.0.0.0/8", "::1/128")
     """Hosts of these networks may request the stream with a hello."""

@@ -36,7 +36,7 @@ class SourceSettings:
     loop: bool = False
     """Start a recording again when it ends."""
     fast: bool = False
-    """Play a recording as fast as possible."""
+    """Read a recording as fast as possible."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ class WebSettings:
     """`[web]` in halo.toml: WebSocket for browsers."""
 
     enabled: bool = True
+    """Listen for browsers and OSCQuery."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0 lets other machines connect."""
     port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_WEB_PORT

@@ -15,7 +15,7 @@ EXAMPLE = "halo record desk.mkv --seconds 30"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_config(parser)
-    parser.add_argument("out", type=Path, metavar="OUT.mkv")
+    parser.add_argument("out", type=Path, metavar="OUT.mkv", help="file to write")
     add_source(parser)
     parser.add_argument("--seconds", type=float, metavar="S", help="length (default: until Ctrl-C)")
     parser.add_argument("--no-colour", action="store_true", help="record no colour, for privacy")

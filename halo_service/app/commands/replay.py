@@ -15,7 +15,9 @@ EXAMPLE = "halo replay recording.mkv --profile desk --jsonl recording.jsonl"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_profile(parser)
-    parser.add_argument("recording", type=Path, metavar="RECORDING")
+    parser.add_argument(
+        "recording", type=Path, metavar="RECORDING", help="a recording of 'halo record'"
+    )
     parser.add_argument("--jsonl", required=True, metavar="OUT", help="file to write; - for stdout")
     parser.add_argument(
         "--method", default="ours", metavar="M", help="ours (default), paper, direct or wilson"

@@ -134,13 +134,13 @@ class ColourImager:
         lit = np.clip(self._room_gain * lamp * colour, 0.0, 255.0).astype(np.uint8)
         if not thrown:
             dark = np.empty((0, 0, 3), np.uint8), np.empty((0, 0, 2), np.float32)
-            return _Lit(view.depth, lit, *dark)
+            return _Lit(view.depth.copy(), lit, *dark)
         flat = np.zeros(view.x_mm.shape, np.float32)
         points = np.stack([view.x_mm, view.y_mm, flat], axis=-1).reshape(-1, 3).astype(np.float64)
         facing = np.clip(-self._projector.towards(points)[:, 2], 0.0, 1.0)
         reflect = np.clip(255.0 * colour * facing.reshape(*flat.shape, 1), 0.0, 255.0)
         source = self._projector.pixels(points).reshape(*flat.shape, 2)
-        return _Lit(view.depth, lit, reflect.astype(np.uint8), source - np.float32(0.5))
+        return _Lit(view.depth.copy(), lit, reflect.astype(np.uint8), source - np.float32(0.5))
 
     def _write(self, body: Body, into: _Lit) -> Ints:
         """Put a body where it is nearer than what is there, in place; returns its flat pixels."""

@@ -5,6 +5,7 @@ Rule: ideal light only, no noise. (H, W) float32 throughout.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import cv2
@@ -44,7 +45,13 @@ class View:
 
 
 def look(lens: Lens, lens_from_surface: Points) -> View:
-    """Cut each pixel's ray with the plane."""
+    """Cut each pixel's ray with the plane. The arrays are shared: they cannot be written to."""
+    return _look(lens, lens_from_surface.astype(np.float64).tobytes())
+
+
+@functools.lru_cache(maxsize=2)  # the two lenses of a device: most rooms are drawn more than once
+def _look(lens: Lens, matrix: bytes) -> View:
+    lens_from_surface = np.frombuffer(matrix, np.float64).reshape(4, 4)
     rays = pixel_rays(lens)
     normal, origin = lens_from_surface[:3, 2], lens_from_surface[:3, 3]
     # A ray that never meets the plane (above the horizon) ends far away.
@@ -53,12 +60,23 @@ def look(lens: Lens, lens_from_surface: Points) -> View:
     points = rays * depth[..., None] - origin
     length = np.linalg.norm(rays, axis=2)
     return View(
-        depth.astype(np.float32),
-        (points @ lens_from_surface[:3, 0]).astype(np.float32),
-        (points @ lens_from_surface[:3, 1]).astype(np.float32),
-        (depth * length).astype(np.float32),
-        (towards / length).astype(np.float32),
+        *map(
+            _frozen,
+            (
+                depth,
+                points @ lens_from_surface[:3, 0],
+                points @ lens_from_surface[:3, 1],
+                depth * length,
+                towards / length,
+            ),
+        )
     )
+
+
+def _frozen(image: Points) -> Image:
+    single = image.astype(np.float32)
+    single.flags.writeable = False
+    return single
 
 
 def illumination(view: View) -> Image:

@@ -26,6 +26,8 @@ from halo_service.web.announcement import OSC
 
 LOOK_S = 1.5
 """Time in which services answer."""
+ANSWER_MS = 1000
+"""The same for one service that was found by mDNS."""
 
 
 class Service(NamedTuple):
@@ -79,7 +81,7 @@ def _by_mdns() -> list[Service]:
     with closing(browser):
         ServiceBrowser(browser, OSC, handlers=[note])
         time.sleep(LOOK_S)
-        infos = [browser.get_service_info(OSC, name) for name in list(names)]
+        infos = [browser.get_service_info(OSC, name, ANSWER_MS) for name in list(names)]
     return [each for info in infos if info and (each := _service(info)) is not None]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ipaddress
 import logging
 import threading
+import time
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -22,6 +23,8 @@ log = logging.getLogger(__name__)
 
 OSC, OSCQUERY = "_osc._udp.local.", "_oscjson._tcp.local."
 """Service types of the control port and of OSCQuery."""
+LISTEN_S = 1.5
+"""How long to look for others before a name is used."""
 LASTS_S = 20
 """Seconds until others forget where a service was that did not withdraw its announcement."""
 
@@ -44,6 +47,7 @@ class Announcement:
         program can read before it connects, such as the surface."""
         self._names = names
         self._ports, self._facts = ports, dict(facts)
+        self._name = names.node
         self._announcers: list[Zeroconf] = []
         self._searches: list[NameSearch] = []
         self._thread = threading.Thread(target=self._announce, name="mdns", daemon=True)
@@ -77,11 +81,14 @@ class Announcement:
         chosen = InterfaceChoice.All if port.host == "0.0.0.0" else addresses
         announcer = Zeroconf(interfaces=chosen, ip_version=IPVersion.V4Only)
         self._announcers.append(announcer)
+        if port.kind == OSC:
+            self._searches.append(NameSearch(announcer, OSC, self._names))
+            self._choose_name(self._searches[-1])
         node, session = self._names.node, self._names.session
         announcer.register_service(
             ServiceInfo(
                 port.kind,
-                f"{node}.{port.kind}",
+                f"{self._name}.{port.kind}",
                 port=port.number,
                 parsed_addresses=addresses,
                 properties={"node": node, "session": session, **self._facts},
@@ -90,8 +97,18 @@ class Announcement:
             ),
             allow_name_change=True,
         )
-        if port.kind == OSC:
-            self._searches.append(NameSearch(announcer, OSC, self._names))
+
+    def _choose_name(self, search: NameSearch) -> None:
+        """Use the node's name, or where it is taken one that no other service can have.
+
+        mDNS would notice a taken name itself, but on a busy machine not always in time.
+        """
+        until_s = time.monotonic() + LISTEN_S
+        while time.monotonic() < until_s:
+            if search.has(self._name):
+                self._name = f"{self._names.node}-{self._names.session}"
+                return
+            time.sleep(LISTEN_S / 20)
 
 
 def _addresses(host: str) -> list[str]:

@@ -21,8 +21,8 @@ log = logging.getLogger(__name__)
 LOOK_S = 2.0
 """How often each is asked; more often than a collision lasts."""
 ANSWER_MS = 500
-MOST_NAMES = 256
-"""Announced services that are asked; any program can announce more."""
+MOST_NAMES = 16
+"""Services that are asked; any program can announce more."""
 
 
 class NameSearch:
@@ -37,6 +37,10 @@ class NameSearch:
         self._thread = threading.Thread(target=self._run, name="names", daemon=True)
         self._thread.start()
 
+    def has(self, name: str) -> bool:
+        """Whether a service is announced under a name."""
+        return f"{name}.{self._kind}" in self._found
+
     def close(self) -> None:
         """End the search; the `Zeroconf` is the caller's."""
         self._ended.set()
@@ -49,8 +53,8 @@ class NameSearch:
         del zeroconf, service_type
         if state_change is ServiceStateChange.Removed:
             self._found.discard(name)
-        elif len(self._found) < MOST_NAMES:
-            self._found.add(name)
+        elif name.startswith(self._watch.node) and len(self._found) < MOST_NAMES:
+            self._found.add(name)  # the node's name, or one that begins with it
 
     def _run(self) -> None:
         while not self._ended.wait(LOOK_S):

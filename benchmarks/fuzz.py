@@ -33,7 +33,7 @@ LONGEST_GAP_S = 3.0
 """Silence after which a client treats the service as lost."""
 SHARES = {"datagrams": 0.6, "messages": 0.3, "requests": 0.1}
 """Of the inputs for the service."""
-ERRORS = ("Traceback", "Error handling", "unexpected", "exception")
+ERRORS = ("Traceback", "Error handling", "unexpected", "exception", "destroyed")
 """Words in the service's log that a receiver must not cause."""
 
 

@@ -34,6 +34,8 @@ LARGEST = 4096
 HEARTBEAT_S = 10.0
 """How often an idle connection is checked."""
 CLOSE_S = 5.0
+IDLE_S = 10.0
+"""A connection without a further request is closed after this time."""
 RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
 
@@ -119,7 +121,12 @@ class WebServer:
         application.router.add_get("/{path:.*}", self._query)
         application.on_shutdown.append(self._disconnect)
         runner = web.AppRunner(
-            application, access_log=None, logger=http_log(), shutdown_timeout=CLOSE_S
+            application,
+            access_log=None,
+            logger=http_log(),
+            shutdown_timeout=CLOSE_S,
+            keepalive_timeout=IDLE_S,
+            lingering_time=0.0,  # no request has a body that is worth waiting for
         )
         await runner.setup()
         server = runner.server

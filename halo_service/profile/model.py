@@ -69,6 +69,11 @@ class TouchState:
     """The same before correction."""
     noise: tuple[float, ...] = ()
     """Standard deviation of each from frame to frame."""
+    top_mm: float | None = None
+    """Height that the finger's upper side read, by its own depth: too low by the skin's offset, and
+    the lower the stronger the halo. None where it was not measured."""
+    top_noise_mm: float = 0.0
+    """Standard deviation of that from frame to frame."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,17 +28,25 @@ TAIL = (
 )
 """The same above the hover state."""
 FADED = 0.3
-"""Below this share of the hover state's halo the finger's own depth is blended in, up to all of it
-at no halo: coarser, but the halo carries no information there."""
+"""Below this share of the hover state's halo, the halo counts less, down to nothing at no halo: it
+carries no information there."""
+LEAST_DEVIATION_MM = 0.2
+"""No halo gives a height better than that (chosen)."""
+OWN_MM = 2.5
+"""The finger's own depth differs by so much from place to place (chosen). A finger that is turned
+shows another part of its upper side above the pad, so it differs by that more."""
+LEAST_FALL_MM = 4.0
+"""The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
 
 def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     """Return the pad's height, mm, at least 0.
 
-    From the halo, on a falling curve through the held states; above the halo's
-    reach from the finger's own depth. The two are blended, so that there is no jump.
+    The mean of two estimates, each weighted by its variance: from the halo, on a falling curve
+    through the held states; and from the finger's own depth, as it read in these states. Above the
+    halo's reach the latter counts alone; there is no jump.
     """
-    own_mm = tip.top_mm - states.finger_thickness_mm
+    own_mm, own_deviation_mm = _own_height(tip, states)
     if signal.hidden or not states.hover.readings:
         return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
     rising = span(signal, states.hover, states.subtle)
@@ -47,9 +55,36 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     levels, heights = curve(states, rising, nothing)
     halo_mm = float(np.interp(halo, levels, heights))
     share = min(max(halo / (FADED * -nothing), 0.0), 1.0)
-    if share == 1.0 or math.isnan(own_mm):
+    if math.isnan(own_mm) or (share == 1.0 and math.isinf(own_deviation_mm)):
         return halo_mm
-    return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+    if math.isinf(own_deviation_mm):
+        return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+    off = min(rising.deviation, 1.0)
+    above, below = np.interp((halo - off, halo + off), levels, heights)
+    halo_deviation_mm = max(float(above - below) / 2.0, LEAST_DEVIATION_MM)
+    weight = share / halo_deviation_mm**2
+    own_weight = 1.0 / own_deviation_mm**2
+    return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)
+
+
+def _own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
+    """Return the pad's height by the finger's own depth, and its standard deviation, mm.
+
+    That is inf where the held states do not say how a finger's depth reads.
+    """
+    hover, subtle = states.hover, states.subtle
+    fallen_mm = (
+        None if hover.top_mm is None or subtle.top_mm is None else hover.top_mm - subtle.top_mm
+    )
+    if fallen_mm is None or fallen_mm < LEAST_FALL_MM:
+        return tip.top_mm - states.finger_thickness_mm, math.inf
+    assert hover.top_mm is not None
+    above_mm = tip.top_mm - hover.top_mm
+    way_mm = hover.height_mm - subtle.height_mm
+    height_mm = hover.height_mm + (above_mm if above_mm > 0.0 else above_mm * way_mm / fallen_mm)
+    turned = math.tan(math.radians(tip.pitch_deg)) - math.tan(math.radians(hover.pitch_deg))
+    noise_mm = math.hypot(hover.top_noise_mm, subtle.top_noise_mm) / math.sqrt(2.0)
+    return height_mm, math.hypot(noise_mm, OWN_MM, states.tip_radius_mm * turned)
 
 
 def curve(

@@ -294,6 +294,38 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
     assert heights[-1] == 0.0
 
 
+@pytest.fixture
+def topped(dented: TouchStates) -> TouchStates:
+    """With the upper side's own depth, which skin and halo lower: 11 mm over a way of 9 mm."""
+    hover = replace(dented.hover, top_mm=20.0, top_noise_mm=0.7)
+    return replace(dented, hover=hover, subtle=replace(dented.subtle, top_mm=9.0, top_noise_mm=0.7))
+
+
+@pytest.mark.parametrize(("dent_mm", "top_mm", "height_mm"), [(5.0, 20.0, 10.0), (10.0, 9.0, 1.0)])
+def test_both_estimates_of_a_height_agree_in_the_held_states(
+    topped: TouchStates, dent_mm: float, top_mm: float, height_mm: float
+) -> None:
+    tip = tip_at(320, 288, top_mm)
+    assert hover_height(signal(dent_mm), tip, topped) == pytest.approx(height_mm, abs=0.05)
+
+
+def test_the_estimate_with_the_smaller_variance_counts_more(topped: TouchStates) -> None:
+    tip = tip_at(320, 288, 25.0)  # 15 mm by its own depth, 10 by a steady halo
+    turned = replace(tip, pitch_deg=65.0)
+    steady = hover_height(signal(5.0), tip, topped)
+    noisy = replace(
+        topped,
+        hover=replace(topped.hover, noise=(1e6, 2.0, 1.2, 0.6)),
+        subtle=replace(topped.subtle, noise=(1e6, 2.0, 1.2, 0.6)),
+    )
+    assert 10.0 < hover_height(signal(5.0), turned, topped) < steady < 11.0
+    assert 12.0 < hover_height(signal(5.0), tip, noisy) < 15.0
+
+
+def test_above_the_halo_the_own_depth_counts_alone(topped: TouchStates) -> None:
+    assert hover_height(signal(0.0), tip_at(320, 288, 45.0), topped) == pytest.approx(35.0)
+
+
 def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:
     assert profile.touch is not None
     assert hover_height(signal(7.0, 900.0), tip_at(320, 288, 20.0), profile.touch) == 6.0

@@ -193,6 +193,8 @@ def _through(held: TouchState, correction: Correction | None) -> TouchState:
 def _held_state(held: HoldObservations, middle: Middle, state_values: StateValues) -> TouchState:
     height_mm, force_g, given = state_values.of(held.state)
     readings, noise = _readings(held)
+    tops = [each.top_mm for each in held.observations if math.isfinite(each.top_mm)]
+    top_mm, top_noise_mm = _reading(tops, 0.0) if tops else (None, 0.0)
     return TouchState(
         signal=middle.signal,
         height_mm=height_mm,
@@ -206,6 +208,8 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
         readings=readings,
         raw_readings=readings,
         noise=noise,
+        top_mm=top_mm,
+        top_noise_mm=top_noise_mm,
     )
 
 

@@ -12,11 +12,12 @@ import signal
 import socket
 import subprocess
 import sys
-import time
+import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
+from halo_service.app.process import stop_on_signals
 from halo_service.errors import UserError
 
 SUMMARY = "try drums or paint with a virtual hand instead of a camera"
@@ -70,8 +71,9 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
             f"demo: '{name}' needs {', '.join(missing)}: run 'uv sync' in a checkout, or "
             f"'uv pip install ./clients[{name}]'"
         )
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    # Not as an exception: between the start of a program and the note of it, it would be forgotten.
+    stopped = threading.Event()
+    stop_on_signals(stopped.set)
     port, control = _free_ports()
     osc, scenario = f"127.0.0.1:{port}", source or chosen.scenario
     serve = ["serve", "--source", scenario, "--no-zenoh", "--osc", osc]
@@ -80,28 +82,28 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
     try:
         programs.append(_start("halo_service.app.cli", *serve))
         print("demo: the service starts; the first time it measures its table", file=sys.stderr)
-        _wait_for_frames(port, programs[0])
-        print(f"demo: the service sends; {name} starts", file=sys.stderr)
-        programs.append(_start(chosen.module, "--from", f"osc://{osc}", *chosen.options, *rest))
-        service, client = programs
-        while service.poll() is None and client.poll() is None:
-            time.sleep(TICK_S)
-        return client.returncode if service.returncode is None else service.returncode
-    except KeyboardInterrupt:
-        return 0
+        if _sends(port, programs[0], stopped):
+            print(f"demo: the service sends; {name} starts", file=sys.stderr)
+            client = ("--from", f"osc://{osc}", *chosen.options, *rest)
+            programs.append(_start(chosen.module, *client))
+        while not stopped.is_set() and all(each.poll() is None for each in programs):
+            stopped.wait(TICK_S)
+        ended = [each.returncode for each in programs if each.returncode is not None]
+        return ended[0] if ended and not stopped.is_set() else 0
     finally:
         _end(programs)
 
 
-def _wait_for_frames(port: int, service: subprocess.Popen[bytes]) -> None:
+def _sends(port: int, service: subprocess.Popen[bytes], stopped: threading.Event) -> bool:
     """Wait until the service sends, so that the client need not say that nothing comes."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         client.bind(("127.0.0.1", port))
         client.settimeout(TICK_S)
-        while service.poll() is None:
+        while service.poll() is None and not stopped.is_set():
             with suppress(TimeoutError):
                 client.recv(65_536)
-                return
+                return True
+    return False
 
 
 def _start(module: str, *options: str) -> subprocess.Popen[bytes]:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +35,15 @@ def run() -> Iterator[Run]:
             subprocess.Popen(
                 [str(BIN / command[0]), *command[1:]],
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env,
+                start_new_session=True,
             )
         )  # fmt: skip
         return started[-1]
 
     yield start
     for process in started:
-        process.kill()
+        with suppress(ProcessLookupError):  # also what it started, such as the two of a demo
+            os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
 
 

@@ -14,6 +14,9 @@ from pathlib import Path
 import pytest
 
 import halo_protocol as wire
+from halo_service.app.service.serve import _monitor
+from halo_service.outputs.settings import ControlSettings, OscSettings
+from halo_service.settings import Settings
 
 Spawn = Callable[..., "subprocess.Popen[str]"]
 SIM = "sim:demo?mode=NFOV_2X2BINNED"
@@ -163,3 +166,19 @@ def test_a_service_killed_in_mid_touch_leaves_no_pointer_stuck(
         assert again.frame > touched.frame  # a client that only compares counters goes on, too
         assert last[touched.session].pointers == ()
         assert any(up.id in {p.id for p in touched.pointers} for up in last[touched.session].ups)
+
+
+@pytest.mark.parametrize(
+    ("osc", "web_url", "control", "command"),
+    [
+        (OscSettings(), "ws://127.0.0.1:4258/halo", "127.0.0.1", "halo monitor"),
+        (OscSettings(enabled=False), "ws://w:1/halo", "127.0.0.1", "halo monitor --from ws://w:1/halo"),
+        (OscSettings(enabled=False), "", "0.0.0.0", 'halo monitor --from "osc://?hello=127.0.0.1:9"'),
+        (OscSettings(enabled=False), "", "::1", 'halo monitor --from "osc://?hello=[::1]:9"'),
+    ],
+)  # fmt: skip
+def test_the_next_command_shows_what_is_sent(
+    osc: OscSettings, web_url: str, control: str, command: str
+) -> None:
+    settings = Settings(osc=osc, control=ControlSettings(host=control))
+    assert _monitor(settings, web_url, 9) == command

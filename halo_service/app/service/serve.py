@@ -239,10 +239,16 @@ def _log_start(
     log.info("calibration %s", profile.calibrated if profile else "none")
     log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
     log.info("browsers: %s; node %s, control port %d", web_url or "off", node, control_port)
-    log.info("ready: run '%s' to see it; Ctrl-C ends", _monitor(settings, web_url))
+    command = _monitor(settings, web_url, control_port)
+    log.info("ready: run '%s' to see it; Ctrl-C ends", command)
 
 
-def _monitor(settings: Settings, web_url: str) -> str:
+def _monitor(settings: Settings, web_url: str, control_port: int) -> str:
     """Return the command that shows the touches: by OSC where it goes to the default place."""
-    heard = parse_destination(EXAMPLE) in destinations(settings)
-    return "halo monitor" if heard or not web_url else f"halo monitor --from {web_url}"
+    if parse_destination(EXAMPLE) in destinations(settings):
+        return "halo monitor"
+    if web_url:
+        return f"halo monitor --from {web_url}"
+    host = settings.control.host
+    host = "127.0.0.1" if host == "0.0.0.0" else f"[{host}]" if ":" in host else host
+    return f'halo monitor --from "osc://?hello={host}:{control_port}"'

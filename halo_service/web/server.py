@@ -36,6 +36,8 @@ HEARTBEAT_S = 10.0
 CLOSE_S = 5.0
 IDLE_S = 10.0
 """A connection without a further request is closed after this time."""
+LOCAL = {"0.0.0.0": "127.0.0.1", "::": "::1"}
+"""Host that stands for all addresses -> the one of this machine."""
 RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
 
@@ -84,7 +86,9 @@ class WebServer:
         """What clients can send, for OSCQuery; called in the server's thread."""
         self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
         self._listener = _listening(settings)
-        self.url = f"ws://{_bracketed(settings.host)}:{self.port}{PATH}"
+        here = LOCAL.get(settings.host, settings.host)
+        self.url = f"ws://{_bracketed(here)}:{self.port}{PATH}"
+        """Where programs of this machine connect."""
         self._clients: set[Subscriber] = set()
         self._latest: dict[tuple[str, str], Outgoing] = {}
         self._loop = asyncio.new_event_loop()

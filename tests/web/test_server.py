@@ -258,6 +258,17 @@ def test_a_host_of_another_machine_is_one_sentence(host: str) -> None:
         WebServer(WebSettings(host=host))
 
 
+def test_the_url_of_a_server_that_is_open_to_all_works_on_this_machine() -> None:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    with closing(WebServer(WebSettings(host="0.0.0.0", port=port))) as server:
+        assert server.url == f"ws://127.0.0.1:{port}/halo"
+        server.send(SCENE)
+        with client(server, OSC) as socket_:
+            assert socket_.recv(5.0) == SCENE.datagrams[0]
+
+
 def test_closing_says_goodbye_to_clients() -> None:
     server = WebServer(WebSettings(port=4258))
     with client(server, OSC) as socket_:

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
+from halo_service.app.options import found_at
 from halo_service.app.parser import COMMANDS, parse
 from halo_service.app.process import endings, give_matplotlib_a_folder, stop_on_signals
 
@@ -215,3 +216,18 @@ def test_in_a_read_only_home_matplotlib_gets_a_folder_and_prints_nothing(tmp_pat
         [sys.executable, "-c", script], capture_output=True, text=True, env=os.environ | read_only
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_log_names_the_settings_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert found_at(None) == f"defaults (no halo.toml in {tmp_path})"
+    (tmp_path / "halo.toml").write_text("")
+    assert found_at(None) == str(tmp_path / "halo.toml")
+    assert found_at(Path("other.toml")) == str(tmp_path / "other.toml")
+
+
+@pytest.mark.parametrize("wait", ["-1", "nan", "inf", "soon"])
+def test_a_wrong_wait_is_refused(wait: str) -> None:
+    with pytest.raises(SystemExit) as refused:
+        parse(["serve", "--wait", wait])
+    assert refused.value.code == 2

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from halo_service.app.projector.display import Display
+from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.errors import UserError
 
 
@@ -48,3 +49,16 @@ def test_without_pygame_it_says_what_brings_it(monkeypatch: pytest.MonkeyPatch) 
     )
     with pytest.raises(UserError, match="uv sync --extra projector"):
         Display(0)
+
+
+class Camera:
+    """A source that is no virtual user."""
+
+
+def test_a_scaled_desktop_is_refused_where_the_projectors_pixels_are_stated() -> None:
+    with Display(0) as display:
+        size_px = display.size_px
+    with screen_for(Camera(), ScreenRequest(size_px=size_px)) as screen:  # type: ignore[arg-type]
+        assert screen.size_px == size_px
+    with pytest.raises(UserError, match=r"its desktop is scaled.*to 100 % and its resolution to"):
+        screen_for(Camera(), ScreenRequest(size_px=(3840, 2160)))  # type: ignore[arg-type]

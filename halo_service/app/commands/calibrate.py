@@ -64,7 +64,9 @@ def _add_place_arguments(parser: argparse.ArgumentParser) -> None:
         "--picture", type=Path, metavar="PNG", help="write the projector's picture to a file"
     )
     parser.add_argument(
-        "--size-px", metavar="WxH", help="size of that picture (default: 1920x1080)"
+        "--size-px",
+        metavar="WxH",
+        help="size of that picture (default: 1920x1080), or of the projector, to be checked",
     )
     parser.add_argument("--marker", type=int, metavar="ID", help="id of the anchor (default: 0)")
     parser.add_argument(
@@ -97,13 +99,13 @@ def _place_request(options: argparse.Namespace) -> PlaceRequest:
     """Collect how surface, projector and anchor are found."""
     from halo_calibration.boards.board import ANCHOR, anchor
     from halo_service.app.calibration_ui.place import PlaceRequest
-    from halo_service.app.projector.screens import FILE_PX, ScreenRequest, size_of
+    from halo_service.app.projector.screens import ScreenRequest, size_of
 
     marker = anchor(
         ANCHOR.family.name if options.family is None else options.family,
         next(iter(ANCHOR.middles_mm)) if options.marker is None else options.marker,
         ANCHOR.size_mm if options.size_mm is None else options.size_mm,
     )
-    size_px = FILE_PX if options.size_px is None else size_of(options.size_px)
+    size_px = None if options.size_px is None else size_of(options.size_px)
     screen = ScreenRequest(options.display, options.window, options.picture, size_px)
     return PlaceRequest(options.by, options.width_mm, options.height_mm, screen, marker)

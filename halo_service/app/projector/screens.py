@@ -38,8 +38,8 @@ class ScreenRequest:
     """In a window of that display, to try it without a projector."""
     picture: Path | None = None
     """A PNG to write for another program that shows it full screen."""
-    size_px: tuple[int, int] = FILE_PX
-    """Width and height of that PNG."""
+    size_px: tuple[int, int] | None = None
+    """Width and height of that PNG, or of the projector, where the user states it."""
 
 
 def size_of(text: str) -> tuple[int, int]:
@@ -93,7 +93,20 @@ class _File:
 def screen_for(source: Source, request: ScreenRequest) -> AbstractContextManager[Screen]:
     """Open the screen for the table of a source. Raises `UserError`."""
     if request.picture is not None:
-        return nullcontext(_File(request.picture, request.size_px))
+        return nullcontext(_File(request.picture, request.size_px or FILE_PX))
     if isinstance(source, VirtualUser):
         return nullcontext(_Virtual(source))
-    return Display(request.display, full_screen=not request.window)
+    display = Display(request.display, full_screen=not request.window)
+    if request.size_px not in (None, display.size_px):
+        display.close()
+        raise UserError(_scaled(request.display, display.size_px, request.size_px))
+    return display
+
+
+def _scaled(number: int, size_px: tuple[int, int], stated_px: tuple[int, int]) -> str:
+    shown, stated = ("{} x {}".format(*each) for each in (size_px, stated_px))
+    return (
+        f"display {number} has {shown} pixels for programs and the projector {stated}: its desktop "
+        f"is scaled, and other programs would draw beside your fingers; set the scale of that "
+        f"display to 100 % and its resolution to {stated}"
+    )

@@ -71,7 +71,7 @@ def attack_service(count: int, seed: int, source: str, folder: Path, report: Rep
             f"osc://?hello=127.0.0.1:{service.control_port}&node=good",
             f"{service.url}?node=good",
         )
-        with witnesses(urls, report), multiprocessing.get_context("spawn").Pool(3) as pool:
+        with good_clients(urls, report), multiprocessing.get_context("spawn").Pool(3) as pool:
             started_s = time.monotonic()
             ports = (service.control_port, service.web_port, service.web_port)
             senders = (attacks.send_datagrams, attacks.send_messages, attacks.send_requests)
@@ -105,9 +105,9 @@ def shared(count: int) -> list[tuple[str, int]]:
 
 
 @contextmanager
-def witnesses(urls: tuple[str, ...], report: Report) -> Iterator[None]:
+def good_clients(urls: tuple[str, ...], report: Report) -> Iterator[None]:
     """Let well-behaved clients receive, and report what they got."""
-    command = [sys.executable, "-m", "fuzzing.witness"]
+    command = [sys.executable, "-m", "fuzzing.good_client"]
     pipe = subprocess.PIPE
     running = [
         subprocess.Popen([*command, url], cwd=HERE, stdin=pipe, stdout=pipe, text=True)

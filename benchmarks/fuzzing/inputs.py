@@ -1,4 +1,4 @@
-"""Datagrams, HTTP requests and WebSocket messages that nobody should send.
+"""Random and changed datagrams, HTTP requests and WebSocket messages.
 
 Rule: pure, and the same for the same seed. Random bytes alone would never pass the first check, so
 most inputs are valid ones with some bytes changed, removed or inserted.

@@ -37,12 +37,12 @@ CLOSE_S = 5.0
 IDLE_S = 10.0
 """A connection without a further request is closed after this time."""
 LOCAL = {"0.0.0.0": "127.0.0.1", "::": "::1"}
-"""Host that stands for all addresses -> the one of this machine."""
+"""Host that means all addresses -> the address of this machine."""
 RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
 
 
-class Gate(asyncio.Protocol):
+class ConnectionLimit(asyncio.Protocol):
     """A new connection: passed to the server, or closed if there are too many."""
 
     def __init__(self, server: web.Server) -> None:
@@ -135,7 +135,9 @@ class WebServer:
         await runner.setup()
         server = runner.server
         assert server is not None
-        self._tcp = await self._loop.create_server(lambda: Gate(server), sock=self._listener)
+        self._tcp = await self._loop.create_server(
+            lambda: ConnectionLimit(server), sock=self._listener
+        )
         return runner
 
     def _publish(self, outgoing: Outgoing) -> None:

@@ -1,4 +1,4 @@
-"""Programs that others wrote show the same finger, from one live stream of the real outputs.
+"""Programs of other projects show the same finger, from one live stream of the real outputs.
 
 One row per program: what it prints, as values by the names of the wire. Each is skipped where it is
 not installed; `.ci/run` installs all.
@@ -248,7 +248,7 @@ PROGRAMS: dict[str, tuple[Callable[[Live], dict[str, Any]], int]] = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("program", PROGRAMS)
-def test_a_program_of_others_shows_the_finger(
+def test_another_program_shows_the_finger(
     program: str, live: Live, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # sclang starts Qt, which needs no display and, as root, no sandbox.

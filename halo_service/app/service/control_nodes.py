@@ -36,7 +36,7 @@ ACTIONS = {
 }
 OUTCOMES = {"VALS": ["accepted", "warned", "refused"]}
 PORT = {"MIN": 0, "MAX": 65_535}
-MEETING = (
+STREAM_REQUESTS = (
     Node(
         HELLO, "ssis", Access.WRITE,
         "Asks for the stream: version, stream such as frames or flat,rate=30, port (0: the "
@@ -73,7 +73,7 @@ def control_nodes(
 
     `status`: the arguments of its answer; `virtual`: whether messages can move a finger.
     """
-    yield from MEETING
+    yield from STREAM_REQUESTS
     for name, description in ACTIONS.items():
         yield Node(CONTROL + name, "N", Access.WRITE, description)
     paused = (*[None] * 5, {"VALS": [0, 1]})

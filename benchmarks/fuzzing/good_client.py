@@ -1,6 +1,6 @@
 """A well-behaved client, in a process of its own: counts frames and the longest gap between two.
 
-    python -m fuzzing.witness URL
+    python -m fuzzing.good_client URL
 
 It prints a line when the first frame has come, and its figures when its input is closed.
 """

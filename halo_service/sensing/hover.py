@@ -33,8 +33,10 @@ carries no information there."""
 LEAST_DEVIATION_MM = 0.2
 """No halo gives a height better than that (chosen)."""
 OWN_MM = 2.5
-"""The finger's own depth differs by so much from place to place (chosen). A finger that is turned
-shows another part of its upper side above the pad, so it differs by that more."""
+"""The finger's own depth differs by so much from place to place (chosen)."""
+TURNED = 2.0
+"""A finger that is turned shows another part of its upper side above the pad: its depth differs by
+that, and by as much again because steep and flat pitches are read too near to 45 degrees."""
 LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
@@ -84,7 +86,7 @@ def _own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     height_mm = hover.height_mm + (above_mm if above_mm > 0.0 else above_mm * way_mm / fallen_mm)
     turned = math.tan(math.radians(tip.pitch_deg)) - math.tan(math.radians(hover.pitch_deg))
     noise_mm = math.hypot(hover.top_noise_mm, subtle.top_noise_mm) / math.sqrt(2.0)
-    return height_mm, math.hypot(noise_mm, OWN_MM, states.tip_radius_mm * turned)
+    return height_mm, math.hypot(noise_mm, OWN_MM, TURNED * states.tip_radius_mm * turned)
 
 
 def curve(

@@ -155,8 +155,9 @@ def test_the_worker_dies_with_its_parent_however_that_ends(tmp_path, then):
 
 
 CLOSED_TERMINAL = """
-import os, sys, time
+import os, signal, sys, time
 from halo_service.app.process import stop_on_signals
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # these tests, too, may run under nohup
 from halo_service.virtual.live import VirtualKinect
 from halo_service.virtual.sim_url import parse_sim_url
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from halo_service.sensing.settings import SensingSettings
 
+RELAXED_LEVEL = 1.0
 CONTACT_LEVEL = 0.5
 """The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
 
@@ -28,6 +29,8 @@ class Detector:
     touching: bool = False
     ago_us: int = 0
     """How long before `time_us` the level crossed into the present state, if it just did."""
+    was_above: bool = True
+    """Whether it was seen above a relaxed touch: one that was found pressing must lift first."""
 
 
 def detect(
@@ -42,7 +45,7 @@ def detect(
     `before`: None for a finger that was just found; it does not touch until it comes down.
     """
     if before is None:
-        return Detector(baseline=level, level=level, time_us=time_us)
+        return Detector(level, level, time_us, was_above=level < RELAXED_LEVEL)
     elapsed_us = max(time_us - before.time_us, 1)
     rise = level - before.level
     if before.touching:
@@ -54,7 +57,7 @@ def detect(
         still = speed_mm_s < settings.fast_mm_s
         sharp = rise >= settings.down_rise_per_s * elapsed_us / 1e6
         sure = level >= settings.sure_level
-        touching = departed and near and still and (sharp or sure)
+        touching = before.was_above and departed and near and still and (sharp or sure)
         crossed = CONTACT_LEVEL
     changed = touching != before.touching
     return Detector(
@@ -63,6 +66,7 @@ def detect(
         time_us=time_us,
         touching=touching,
         ago_us=round(elapsed_us * _since(crossed, before.level, level)) if changed else 0,
+        was_above=before.was_above or level < RELAXED_LEVEL,
     )
 
 

@@ -30,8 +30,9 @@ TAIL = (
 FADED = 0.3
 """Below this share of the hover state's halo, the halo counts less, down to nothing at no halo: it
 carries no information there."""
-LEAST_DEVIATION_MM = 0.2
-"""No halo gives a height better than that (chosen)."""
+CURVE_MM, TAIL_CURVE_MM = 0.6, 3.0
+"""Standard deviation of the curves above: between the held heights, and at the onset (chosen: half
+of what halos of different shapes differ by)."""
 OWN_MM = 2.5
 """The finger's own depth differs by so much from place to place (chosen)."""
 TURNED = 2.0
@@ -63,7 +64,11 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
         return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
     off = min(rising.deviation, 1.0)
     above, below = np.interp((halo - off, halo + off), levels, heights)
-    halo_deviation_mm = max(float(above - below) / 2.0, LEAST_DEVIATION_MM)
+    beyond = max(halo_mm - states.hover.height_mm, 0.0) / max(
+        ONSET_MM - states.hover.height_mm, 1.0
+    )
+    curve_mm = CURVE_MM + (TAIL_CURVE_MM - CURVE_MM) * min(beyond, 1.0)
+    halo_deviation_mm = math.hypot(float(above - below) / 2.0, curve_mm)
     weight = share / halo_deviation_mm**2
     own_weight = 1.0 / own_deviation_mm**2
     return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)

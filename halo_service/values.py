@@ -117,6 +117,8 @@ class Fingertip:
     """Of the fingertip, between its two sides; nan where they are not clear."""
     px_per_mm: float = 1.0
     """How large a millimetre is in the image, at the finger's own depth."""
+    seen_deg: float = 45.0
+    """Angle between the finger and the line of sight; 0: the camera looks along the finger."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,7 +86,20 @@ def locate(
         confidence,
         end.width_mm,
         px_per_mm,
+        line_of_sight_deg(camera_mm, pitch, yaw, surface),
     )
+
+
+def line_of_sight_deg(
+    camera_mm: tuple[float, float, float], pitch_deg: float, yaw_deg: float, surface: Surface
+) -> float:
+    """Return the angle between a finger and the line of sight; 0: the camera looks along it."""
+    pitch, yaw = math.radians(pitch_deg), math.radians(yaw_deg)
+    level = math.cos(pitch)
+    finger = np.array([level * math.sin(yaw), -level * math.cos(yaw), math.sin(pitch)])
+    along = surface.camera_from_surface[:3, :3] @ finger
+    cosine = float(along @ np.array(camera_mm)) / max(float(np.linalg.norm(camera_mm)), 1.0)
+    return math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
 
 
 def _pad(rays: Points, surface: Surface, height_mm: float, radius_mm: float) -> tuple[float, float]:

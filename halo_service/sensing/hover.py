@@ -38,6 +38,11 @@ OWN_MM = 2.5
 TURNED = 2.0
 """A finger that is turned shows another part of its upper side above the pad: its depth differs by
 that, and by as much again because steep and flat pitches are read too near to 45 degrees."""
+PLAIN_SEEN_DEG, LEAST_SEEN_DEG = 40.0, 5.0
+"""Angles between the finger and the line of sight. Below the first one the camera looks along the
+finger, and what it sees behind the tip's end is no longer above the pad."""
+CLEARLY_SIGMAS = 2.5
+"""The finger's own depth alone is sure from here on."""
 LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
@@ -74,6 +79,15 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)
 
 
+def clearly_above(tip: Fingertip, states: TouchStates) -> bool:
+    """Return whether the finger's own depth rules out a touch, whatever the halo reads.
+
+    Beyond where the finger was swept, and under a palm, a halo may read as strong as a touch's.
+    """
+    own_mm, deviation_mm = _own_height(tip, states)
+    return own_mm > CLEARLY_SIGMAS * deviation_mm  # false for nan
+
+
 def _own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     """Return the pad's height by the finger's own depth, and its standard deviation, mm.
 
@@ -91,7 +105,10 @@ def _own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     height_mm = hover.height_mm + (above_mm if above_mm > 0.0 else above_mm * way_mm / fallen_mm)
     turned = math.tan(math.radians(tip.pitch_deg)) - math.tan(math.radians(hover.pitch_deg))
     noise_mm = math.hypot(hover.top_noise_mm, subtle.top_noise_mm) / math.sqrt(2.0)
-    return height_mm, math.hypot(noise_mm, OWN_MM, TURNED * states.tip_radius_mm * turned)
+    seen = math.radians(min(max(tip.seen_deg, LEAST_SEEN_DEG), PLAIN_SEEN_DEG))
+    hidden = 1.0 / math.tan(seen) - 1.0 / math.tan(math.radians(PLAIN_SEEN_DEG))
+    turned_mm, hidden_mm = (TURNED * states.tip_radius_mm * each for each in (turned, hidden))
+    return height_mm, math.hypot(noise_mm, OWN_MM, turned_mm, hidden_mm)
 
 
 def curve(

@@ -17,6 +17,7 @@ from halo_service.sensing.correction import at_pitch, correct, leveled
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
+from halo_service.sensing.hover import clearly_above
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
@@ -91,6 +92,8 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
     tip = found.tip
     signal = measure(found.own, tip, profile)
     level = touch_level(signal, states)
+    if clearly_above(tip, states):
+        level = min(level, 0.0)
     detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
     pointer = describe(before.id, before.slot, tip, signal, level, bounced.contact, states)

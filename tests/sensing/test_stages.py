@@ -8,13 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from halo_service.geometry.surface import Surface
 from halo_service.profile import Background, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import CONTACT_LEVEL, Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.finger_frame import FingerFrame
-from halo_service.sensing.hover import hover_height
+from halo_service.sensing.fingertips import line_of_sight_deg
+from halo_service.sensing.hover import clearly_above, hover_height
 from halo_service.sensing.pressure import force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
@@ -326,6 +328,39 @@ def test_the_estimate_with_the_smaller_variance_counts_more(topped: TouchStates)
 
 def test_above_the_halo_the_own_depth_counts_alone(topped: TouchStates) -> None:
     assert hover_height(signal(0.0), tip_at(320, 288, 45.0), topped) == pytest.approx(35.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "above"),
+    [
+        ({"top_mm": 30.0}, True),
+        ({"top_mm": 12.0}, False),
+        ({"top_mm": NAN}, False),
+        ({"top_mm": 30.0, "pitch_deg": 70.0}, False),
+        ({"top_mm": 30.0, "seen_deg": 15.0}, False),
+    ],
+    ids=["high", "low", "unmeasured", "steep", "the camera looks along it"],
+)
+def test_a_finger_that_is_clearly_above_does_not_touch(
+    topped: TouchStates, changes: dict[str, float], above: bool
+) -> None:
+    tip = replace(tip_at(320, 288), **changes)  # type: ignore[arg-type]
+    assert clearly_above(tip, topped) is above
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "pitch_deg", "seen_deg"), [(0, 45, 45), (0, 75, 15), (20, 45, 25), (-20, 45, 65)]
+)
+def test_the_angle_between_a_finger_and_the_line_of_sight(
+    tilt_deg: float, pitch_deg: float, seen_deg: float
+) -> None:
+    """A camera that is tilted towards the far edge looks along a finger that points there."""
+    tilt = math.radians(tilt_deg)
+    pose = np.eye(4)
+    pose[1:3, 1:3] = [[math.cos(tilt), -math.sin(tilt)], [math.sin(tilt), math.cos(tilt)]]
+    surface = Surface("table", 300.0, 200.0, np.linalg.inv(pose))
+    ahead = (0.0, 0.0, 500.0)
+    assert line_of_sight_deg(ahead, pitch_deg, 0.0, surface) == pytest.approx(seen_deg)
 
 
 def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:

@@ -3,8 +3,8 @@
     python protocol/generate.py           write them
     python protocol/generate.py --check   list outdated files, and fail if there is any
 
-Each minor version has its folder of vectors; those of older ones are never written again. Only this
-part of the protocol reads or writes files.
+Each minor version has its folder of vectors; those of older and of released ones are never
+written again. Only this part of the protocol reads or writes files.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ from halo_protocol import (
     to_json,
 )
 from halo_protocol.table import ROW_OF_MESSAGE
+from halo_protocol.version import RELEASED
 
 HERE = Path(__file__).parent
 VECTORS = HERE / "vectors" / VERSION.rpartition(".")[0]
@@ -57,11 +58,23 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing, compare")
     check = parser.parse_args(argv).check
     stale = [path for path, text in generated().items() if _differs(path, text)]
+    if not check:
+        _require_unreleased(stale)
     for path in stale:
         sys.stdout.write(f"{'differs' if check else 'written'}: {path.relative_to(HERE)}\n")
         if not check:
+            path.parent.mkdir(exist_ok=True)
             path.write_text(generated()[path], encoding="utf-8")
     return 1 if check and stale else 0
+
+
+def _require_unreleased(stale: list[Path]) -> None:
+    minor = VECTORS.name
+    if minor in RELEASED and any(path.parent == VECTORS for path in stale):
+        raise SystemExit(
+            f"vectors/{minor} would change, but {minor} is released: "
+            "raise VERSION in halo_protocol/version.py first"
+        )
 
 
 def generated() -> dict[Path, str]:

@@ -24,7 +24,8 @@ const WORDS = {
   profile_fit: ["unknown", "good", "moved", "tilted", "hidden", "marker"],
 };
 
-// Kind -> its fields, `name:type`. Later minor versions append.
+// Kind -> its fields, `name:type`. Later minor versions append `name:type=value`, with the value (of
+// a list: `0,0,1`) for messages of older ones, which end before it.
 const ROWS = Object.fromEntries(
   Object.entries({
     frame: "node:s session:s frame:i time_s:i time_frac_us:i count:i session_ms:i",
@@ -46,8 +47,10 @@ const ROWS = Object.fromEntries(
 );
 
 function field(text) {
-  const [name, type] = text.split(":");
-  return { name, tag: type[0], length: Number(type.slice(1) || 1), list: type.length > 1 };
+  const [name, type, value] = text.split(/[:=]/);
+  const tag = type[0];
+  const missing = value?.split(",").map((each) => (tag === "s" ? each : Number(each)));
+  return { name, tag, length: Number(type.slice(1) || 1), list: type.length > 1, missing };
 }
 
 // The messages of a datagram (a Uint8Array), in order: `{kind, surface, ...fields}`.
@@ -100,12 +103,16 @@ function readAlive(reader, tags) {
 }
 
 function readFields(row, reader, tags) {
-  const expected = "," + row.map(({ tag, length }) => tag.repeat(length)).join("");
-  require(tags.startsWith(expected), `the types must start with ${expected}, not ${tags}`);
+  let expected = ",";
   const fields = {};
-  for (const { name, tag, length, list } of row) {
-    const values = Array.from({ length }, () => reader.value(tag));
-    fields[name] = list ? values : worded(name, values[0]);
+  for (const { name, tag, length, list, missing } of row) {
+    let values = missing;
+    if (!missing || tags !== expected) {
+      expected += tag.repeat(length);
+      require(tags.startsWith(expected), `the types must start with ${expected}, not ${tags}`);
+      values = Array.from({ length }, () => reader.value(tag));
+    }
+    fields[name] = list ? [...values] : worded(name, values[0]);
   }
   require(tags.length > expected.length || reader.left === 0, "there are bytes too many");
   return fields;

@@ -149,8 +149,8 @@ def _describe(row: Row, values: tuple[Any, ...]) -> str:
 def decode(datagram: bytes) -> list[tuple[str, Message]]:
     """The messages in a datagram as (surface, message), in order.
 
-    Unknown addresses are skipped, and so are arguments after the known ones.
-    `ProtocolError` is all it raises.
+    Unknown addresses are skipped, and so are arguments after the known ones. Fields that an older
+    minor version does not send have their defaults. `ProtocolError` is all it raises.
     """
     found = []
     for start, end in message_spans(datagram):
@@ -181,15 +181,23 @@ def _decoded(row: Row, data: bytes, position: int, end: int) -> Message:
         message = row.message(values)
     else:
         if not tags.startswith(_wire_tags(row.tags)):
-            raise ProtocolError(
-                f"{row.kind} must start with the types ,{row.tags}, not {tags[:60]!r}"
-            )
+            row = _older(row, tags)
         values, position = _unpack(row, data, position, end)
         message = row.message(*(values if row.plain else _folded(row, values)))
     if len(tags) == 1 + len(values) and position != end:
         raise ProtocolError(f"{row.kind} has {end - position} bytes too many")
     CHECKS[row.message](message)
     return message
+
+
+def _older(row: Row, tags: bytes) -> Row:
+    """The row as an older minor version sends it; `ProtocolError` if none has these types."""
+    for older in row.older:
+        if tags == _wire_tags(older.tags):
+            return older
+    first = next(iter(row.older), row)
+    expected = row if tags.startswith(_wire_tags(first.tags)) else first
+    raise ProtocolError(f"{row.kind} must start with the types ,{expected.tags}, not {tags[:60]!r}")
 
 
 @lru_cache(maxsize=64)

@@ -86,12 +86,14 @@ def event_to_json(event: Event) -> dict[str, Any]:
 def from_json(kind: str, view: dict[str, Any]) -> Message:
     """A message from its view; unknown keys are ignored.
 
-    `ProtocolError` if a field is missing or has the wrong type.
+    `ProtocolError` if a field of 1.0 is missing or a field has the wrong type.
     """
     row = ROW_OF_KIND.get(kind)
     if row is None:
         raise ProtocolError(f"unknown message {kind!r}; choose from: {', '.join(ROW_OF_KIND)}")
-    return row.message(**{field.name: _read(field, kind, view) for field in row.fields})
+    appended = [field for field in row.fields[row.required :] if field.name in view]
+    fields = [*row.fields[: row.required], *appended]
+    return row.message(**{field.name: _read(field, kind, view) for field in fields})
 
 
 def _viewed(field: Field, value: Any) -> Any:

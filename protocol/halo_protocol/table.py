@@ -2,7 +2,9 @@
 
 Rule: reading and writing are derived from these rows only. A field is `name:type`; the types
 are OSC's `i` (int32), `f` (float32) and `s` (string), because some clients lose every argument
-after another type. `f9` is nine in a row, `i*` any number.
+after another type. `f9` is nine in a row, `i*` any number. ` | ` ends the fields of 1.0: a later
+minor version appends after it. A message of an older one ends before these fields, and they have
+the defaults of their class.
 """
 
 from __future__ import annotations
@@ -75,6 +77,10 @@ class Row:
     when: str
     """When a service sends it, for the specification."""
     fields: tuple[Field, ...]
+    required: int
+    """Number of fields that each message has: those of 1.0."""
+    older: tuple[Row, ...]
+    """This row with fewer fields, from 1.0 on, as older minor versions send it."""
     tags: str
     """The OSC type tags of all fields of a fixed length, without the comma."""
     runs: tuple[Run, ...]
@@ -88,7 +94,9 @@ class Row:
     @classmethod
     def of(cls, kind: str, message: Callable[..., messages.Message], text: str, when: str) -> Row:
         """Compile one line of the table."""
-        fields = tuple(map(_field, text.split()))
+        words = text.replace("|", "").split()
+        required = len(text.partition("|")[0].split())
+        fields = tuple(map(_field, words))
         tags = "".join(field.tag * (field.length or 0) for field in fields)
         names = [field.name for field in fields]
         fetch = attrgetter(*names)
@@ -97,6 +105,11 @@ class Row:
             message=message,
             when=when,
             fields=fields,
+            required=required,
+            older=tuple(
+                cls.of(kind, message, " ".join(words[:count]), when)
+                for count in range(required, len(words))
+            ),
             tags=tags,
             runs=tuple(_runs(tags)),
             open_list=fields[-1].length is None,

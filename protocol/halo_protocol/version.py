@@ -12,6 +12,9 @@ from halo_protocol.errors import ProtocolError
 
 VERSION = "1.0.0"
 
+RELEASED: tuple[str, ...] = ()
+"""Released minor versions, such as "1.0": their vectors never change."""
+
 Verdict = Literal["accepted", "warned", "refused"]
 
 _VERSION = re.compile(r"(\d{1,4})\.(\d{1,4})\.(\d{1,4})", re.ASCII)

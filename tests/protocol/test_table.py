@@ -60,8 +60,15 @@ def test_a_row_names_the_fields_of_its_class(row: Row) -> None:
 @rows
 def test_a_row_begins_with_the_released_fields(row: Row) -> None:
     names = [field.name for field in row.fields]
-    assert names[: len(RELEASED[row.kind].split())] == RELEASED[row.kind].split()
+    assert names[: row.required] == RELEASED[row.kind].split()
     assert row.tags.startswith(RELEASED_TAGS[row.kind])
+
+
+@rows
+def test_an_appended_field_has_a_default(row: Row) -> None:
+    message: Any = row.message
+    appended = dataclasses.fields(message)[row.required :]
+    assert all(field.default is not dataclasses.MISSING for field in appended)
 
 
 @rows

@@ -12,8 +12,11 @@ from typing import Any
 import pytest
 
 from halo_protocol import Assembler, ProtocolError, decode, event_to_json, to_json
+from tests.protocol.appended import AXIS, READ, REFUSED, SPIN
 
-VECTORS = Path(__file__).parents[3] / "protocol" / "vectors" / "1.0"
+ROOT = Path(__file__).parents[3]
+VECTORS = ROOT / "protocol" / "vectors" / "1.0"
+SCRIPT = Path(__file__).with_name("vectors.mjs")
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 
 
@@ -21,10 +24,12 @@ def vectors(name: str) -> list[dict[str, Any]]:
     return list(json.loads((VECTORS / f"{name}.json").read_text())["vectors"])
 
 
-def read(datagrams: list[str], assemblies: list[list[dict[str, Any]]]) -> dict[str, Any]:
+def read(
+    datagrams: list[str], assemblies: list[list[dict[str, Any]]], script: Path = SCRIPT
+) -> dict[str, Any]:
     """What halo.js makes of them; None is a refusal."""
     done = subprocess.run(
-        ["node", str(Path(__file__).with_name("vectors.mjs"))],
+        ["node", str(script)],
         input=json.dumps({"datagrams": datagrams, "assemblies": assemblies}),
         capture_output=True,
         text=True,
@@ -55,6 +60,26 @@ def test_malformed_datagrams_are_refused() -> None:
         vector["name"] for vector, views in zip(cases, found, strict=True) if views is not None
     ]
     assert accepted == []
+
+
+def test_a_later_reader_reads_older_minor_versions(tmp_path: Path) -> None:
+    """A copy of the client, with two fields appended to `up`."""
+    files = [*(ROOT / "clients" / "web").glob("*.js"), SCRIPT]
+    copies = [tmp_path / file.relative_to(ROOT) for file in files]
+    for file, copy in zip(files, copies, strict=True):
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, copy)
+    codec = tmp_path / "clients" / "web" / "codec.js"
+    row = '    up: "id:i slot:i u:f v:f ago_ms:f contacts:i'
+    axis = ",".join(map(str, AXIS))
+    before, found, after = codec.read_text().partition(row)
+    assert found
+    codec.write_text(f"{before}{row} spin:f={SPIN} axis:f3={axis}{after}")
+
+    datagrams = [raw.hex() for raw, _ in (*READ.values(), *REFUSED.values())]
+    views = [[{"kind": "up", "surface": "table", **view}] for _, view in READ.values()]
+    found_views = read(datagrams, [], copies[-1])["datagrams"]
+    assert found_views == [*views, *([None] * len(REFUSED))]
 
 
 def test_sequences_of_datagrams_are_assembled() -> None:

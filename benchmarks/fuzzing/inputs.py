@@ -12,11 +12,12 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+from halo_protocol import VERSION
 from halo_protocol.handshake import CONTROL, EXPIRED, GOODBYE, LEASE, WELCOME, hello
 from halo_protocol.osc import BUNDLE, padded
 from halo_protocol.table import ROWS
 
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0"
+VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / VERSION.rpartition(".")[0]
 HOST = "127.0.0.1:{port}"
 
 

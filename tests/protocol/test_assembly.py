@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,11 +27,11 @@ from halo_protocol import (
 from halo_protocol.assembly import MAX_STREAMS
 from halo_protocol.osc import IMMEDIATELY, bundle, message_spans
 from halo_protocol.touch_counter import MAX_REMEMBERED
+from tests.golden import VECTORS
 
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0" / "assembly.json"
 SEQUENCES = [
     pytest.param(vector["steps"], id=vector["name"])
-    for vector in json.loads(VECTORS.read_text())["vectors"]
+    for vector in json.loads((VECTORS / "assembly.json").read_text())["vectors"]
 ]
 POINTER = Pointer(1, 0, 2, 1, 0, 0.5, 0.5, 150.0, 100.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0, -1.0)
 

@@ -15,9 +15,8 @@ from halo_protocol import ProtocolError, Up, codec, decode, encode, from_json, t
 from halo_protocol.checks import CHECKS
 from halo_protocol.table import ROW_OF_KIND, ROW_OF_MESSAGE, UP, Row
 from halo_protocol.version import VERSION
+from tests.golden import PROTOCOL, VECTORS
 from tests.protocol.appended import AXIS, READ, REFUSED, SPIN, UP_VIEW, view
-
-PROTOCOL = Path(__file__).parents[2] / "protocol"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,7 @@ def generated(folder: Path) -> subprocess.CompletedProcess[str]:
 def test_vectors_of_a_released_minor_are_not_overwritten(tmp_path: Path) -> None:
     folder = tmp_path / "protocol"
     shutil.copytree(PROTOCOL, folder, ignore=shutil.ignore_patterns("__pycache__"))
-    minor = VERSION.rpartition(".")[0]
+    minor = VECTORS.name
     vectors = folder / "vectors" / minor / "reports.json"
     changed = vectors.read_text().replace("table", "other")
     vectors.write_text(changed)

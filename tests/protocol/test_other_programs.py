@@ -18,8 +18,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from halo_protocol import DEFAULT_PORT, parse_osc
 from halo_protocol.osc import message_spans
-
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0"
+from tests.golden import VECTORS
 
 
 def written() -> Iterator[tuple[str, bytes, float | None]]:

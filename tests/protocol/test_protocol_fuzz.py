@@ -3,7 +3,6 @@
 import contextlib
 import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from hypothesis import given, settings
@@ -12,8 +11,7 @@ from hypothesis import strategies as st
 from halo_protocol import Assembler, ProtocolError, decode, from_json, parse_osc
 from halo_protocol.osc import BUNDLE, padded
 from halo_protocol.table import ROW_OF_KIND, ROWS
-
-VECTORS = Path(__file__).parents[2] / "protocol" / "vectors" / "1.0"
+from tests.golden import VECTORS
 
 
 def golden() -> Iterator[bytes]:

@@ -5,7 +5,6 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,10 +13,9 @@ from halo_protocol import ProtocolError, decode, encode, from_json, messages, to
 from halo_protocol.fields import range_of, unit_of
 from halo_protocol.jsonview import ENUMERATIONS
 from halo_protocol.table import ROWS, Row
+from tests.golden import PROTOCOL, VECTORS
 
-PROTOCOL = Path(__file__).parents[2] / "protocol"
 SPEC = (PROTOCOL / "SPEC.md").read_text()
-VECTORS = PROTOCOL / "vectors" / "1.0"
 
 # Version 1.0. Later versions append to these rows and never change them.
 RELEASED = {

@@ -29,9 +29,7 @@ from halo_protocol.table import ROWS
 from halo_service.app.service.commands import Status
 from halo_service.outputs.destination import FORMATS
 from halo_service.outputs.leases import welcome
-
-PROTOCOL = Path(__file__).parents[2] / "protocol"
-VECTORS = PROTOCOL / "vectors" / "1.0"
+from tests.golden import PROTOCOL, VECTORS
 
 
 def vectors(name: str) -> list[Any]:

@@ -57,26 +57,30 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     own_mm, own_deviation_mm = _own_height(tip, states)
     if signal.hidden or not states.hover.readings:
         return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
+    halo_mm, halo_deviation_mm, share = _halo_height(signal, states)
+    if math.isnan(own_mm):
+        return halo_mm
+    if math.isinf(own_deviation_mm):
+        return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+    weight = share / halo_deviation_mm**2
+    own_weight = 1.0 / own_deviation_mm**2
+    return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)
+
+
+def _halo_height(signal: Signal, states: TouchStates) -> tuple[float, float, float]:
+    """Return the pad's height by the halo, its standard deviation, mm, and how much it counts."""
     rising = span(signal, states.hover, states.subtle)
     nothing = rising.at([0.0] * len(signal.readings))
     halo = rising.at(signal.readings) - nothing
     levels, heights = curve(states, rising, nothing)
-    halo_mm = float(np.interp(halo, levels, heights))
-    share = min(max(halo / (FADED * -nothing), 0.0), 1.0)
-    if math.isnan(own_mm) or (share == 1.0 and math.isinf(own_deviation_mm)):
-        return halo_mm
-    if math.isinf(own_deviation_mm):
-        return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+    height_mm = float(np.interp(halo, levels, heights))
     off = min(rising.deviation, 1.0)
     above, below = np.interp((halo - off, halo + off), levels, heights)
-    beyond = max(halo_mm - states.hover.height_mm, 0.0) / max(
-        ONSET_MM - states.hover.height_mm, 1.0
-    )
-    curve_mm = CURVE_MM + (TAIL_CURVE_MM - CURVE_MM) * min(beyond, 1.0)
-    halo_deviation_mm = math.hypot(float(above - below) / 2.0, curve_mm)
-    weight = share / halo_deviation_mm**2
-    own_weight = 1.0 / own_deviation_mm**2
-    return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)
+    hover_mm = states.hover.height_mm
+    tail = min(max(height_mm - hover_mm, 0.0) / max(ONSET_MM - hover_mm, 1.0), 1.0)
+    curve_mm = CURVE_MM + (TAIL_CURVE_MM - CURVE_MM) * tail
+    share = min(max(halo / (FADED * -nothing), 0.0), 1.0)
+    return height_mm, math.hypot(float(above - below) / 2.0, curve_mm), share
 
 
 def clearly_above(tip: Fingertip, states: TouchStates) -> bool:

@@ -111,7 +111,7 @@ def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segment
     pixels = pixels_of(scene.segmentation, scene.labels, number, place)
     seen = finger.detection
     if scene.frame.time_us - seen.time_us > CLAIM_US:
-        return pixels  # the bones are too old to say whose pixels they are
+        return pixels  # the bones are too old to label pixels
     then = was_at(finger.path, seen.time_us).tip_px if finger.path else seen.tip_px
     now = scene.places[number].place.tip_px
     return without_others(pixels, seen, (now[0] - then[0], now[1] - then[1]))

@@ -49,7 +49,7 @@ def array(files: Files) -> str:
 
 
 def boast(files: Files) -> Files:
-    """An array whose header claims more memory than a computer has."""
+    """An array with a header that claims more memory than a computer has."""
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         header, {"descr": "<f4", "fortran_order": False, "shape": (1 << 40,)}

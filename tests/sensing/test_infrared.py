@@ -31,7 +31,7 @@ EMPTY = Background(
 
 FLAT = np.zeros(SHAPE, np.float32)
 FLAT[TIP[1] + 20 : 500, TIP[0] - RADIUS : TIP[0] + RADIUS] = -40.0
-"""Of a finger whose last 2 cm read like the surface."""
+"""Excess depth of a finger: its last 2 cm read like the surface."""
 
 
 def infrared(side: float, middle: float) -> NDArray[np.uint16]:

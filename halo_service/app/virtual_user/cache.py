@@ -26,7 +26,7 @@ from halo_service.virtual.room import Room
 log = logging.getLogger(__name__)
 
 PARTS = ("virtual", "sensing", "hand_tracking", "geometry", "profile", "app/virtual_user")
-"""Folders of halo_service whose code decides what is measured."""
+"""Folders of halo_service: the code in them decides what is measured."""
 MOST_ROOMS = 16
 """Rooms that stay in the cache; each takes 3 MB."""
 

@@ -27,6 +27,7 @@ from halo_service.app.commands import (
     serve,
     simulate,
     targets,
+    test_pattern,
     verify,
 )
 from halo_service.errors import suggestion
@@ -58,6 +59,7 @@ COMMANDS: dict[str, Command] = {
     "targets": targets,
     "record": record,
     "replay": replay,
+    "test-pattern": test_pattern,
     "simulate": simulate,
     "evaluate": evaluate,
     "bench": bench,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.process import stop_on_signals
+from halo_service.app.service.carriers import destinations, web_server, zenoh_output
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.fit_watcher import FitWatcher
 from halo_service.app.service.profile_reloader import ProfileReloader
@@ -22,9 +23,8 @@ from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
-from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
-from halo_service.outputs.destination import EXAMPLE, Destination, parse_destination
+from halo_service.outputs.destination import EXAMPLE, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
@@ -67,8 +67,8 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         names = NameWatch(node, session)
         leases = Leases(node, session, settings.control.networks)
         osc = stack.enter_context(closing(OscOutput(wanted)))
-        web = _web(settings, names, control, stack)
-        carriers = [osc, *_zenoh(settings, names, surface, stack), *([web] if web else [])]
+        web = web_server(settings, names, control, stack)
+        carriers = [osc, *zenoh_output(settings, names, surface, stack), *([web] if web else [])]
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
         frames = FrameEncoder(node, session, first, settings.osc.max_bytes, settings.osc.again_ms)
@@ -174,34 +174,6 @@ def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
     return source
 
 
-def _zenoh(settings: Settings, names: NameWatch, surface: str, stack: ExitStack) -> list[Carrier]:
-    if not settings.zenoh.enabled:
-        return []
-    from halo_service.outputs.zenoh import ZenohOutput
-
-    return [stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))]
-
-
-def _web(
-    settings: Settings, names: NameWatch, control: ControlPort, stack: ExitStack
-) -> WebServer | None:
-    if not settings.web.enabled:
-        return None
-    from halo_service.web.server import WebServer
-
-    elsewhere = settings.control.host not in (settings.web.host, "0.0.0.0", "::")
-    server = WebServer(
-        settings.web,
-        names.node,
-        names.session,
-        control.put,
-        control.port,
-        settings.control.host if elsewhere else "",
-    )
-    stack.callback(server.close)
-    return server
-
-
 def _announce(
     settings: Settings, names: NameWatch, web: WebServer | None, control: ControlPort, **facts: str
 ) -> Announcement:
@@ -211,15 +183,6 @@ def _announce(
     if web is not None:
         ports.append(Port(OSCQUERY, settings.web.host, web.port))
     return Announcement(names, ports, facts)
-
-
-def destinations(settings: Settings) -> list[Destination]:
-    """Read the destinations of OSC and TUIO. Raises `UserError` for a bad one."""
-    osc = settings.osc.destinations if settings.osc.enabled else ()
-    return [
-        *(parse_destination(each) for each in osc),
-        *(parse_destination(each, "tuio") for each in settings.tuio.destinations),
-    ]
 
 
 def _log_start(

@@ -1,0 +1,56 @@
+"""Opens the outputs that the settings name: OSC, Zenoh and the server for browsers."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING
+
+from halo_service.outputs import Carrier
+from halo_service.outputs.control import ControlPort
+from halo_service.outputs.destination import Destination, parse_destination
+from halo_service.outputs.name_watch import NameWatch
+from halo_service.settings import Settings
+
+if TYPE_CHECKING:
+    from halo_service.web.server import WebServer
+
+
+def destinations(settings: Settings) -> list[Destination]:
+    """Read the destinations of OSC and TUIO. Raises `UserError` for a bad one."""
+    osc = settings.osc.destinations if settings.osc.enabled else ()
+    return [
+        *(parse_destination(each) for each in osc),
+        *(parse_destination(each, "tuio") for each in settings.tuio.destinations),
+    ]
+
+
+def zenoh_output(
+    settings: Settings, names: NameWatch, surface: str, stack: ExitStack
+) -> list[Carrier]:
+    """Open the Zenoh session; empty where it is off."""
+    if not settings.zenoh.enabled:
+        return []
+    from halo_service.outputs.zenoh import ZenohOutput
+
+    return [stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))]
+
+
+def web_server(
+    settings: Settings, names: NameWatch, control: ControlPort, stack: ExitStack
+) -> WebServer | None:
+    """Open the server for browsers; None where it is off."""
+    if not settings.web.enabled:
+        return None
+    from halo_service.web.server import WebServer
+
+    elsewhere = settings.control.host not in (settings.web.host, "0.0.0.0", "::")
+    server = WebServer(
+        settings.web,
+        names.node,
+        names.session,
+        control.put,
+        control.port,
+        settings.control.host if elsewhere else "",
+    )
+    stack.callback(server.close)
+    return server

@@ -1,0 +1,1 @@
+"""The test pattern: a pointer that draws a circle, for checking connections."""

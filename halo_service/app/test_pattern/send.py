@@ -1,0 +1,168 @@
+"""Sends the test pattern as a service without a camera: same outputs, same messages."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from typing import Protocol
+
+import halo_protocol as wire
+from halo_service.app.process import stop_on_signals
+from halo_service.app.service.carriers import destinations, web_server, zenoh_output
+from halo_service.host_clock import CLOCK
+from halo_service.outputs import Carrier
+from halo_service.outputs.control import ControlPort
+from halo_service.outputs.destination import Destination
+from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.leases import Leases
+from halo_service.outputs.name_watch import NameWatch
+from halo_service.outputs.osc import OscOutput
+from halo_service.outputs.outgoing import OutgoingReport
+from halo_service.outputs.test_pattern import Pattern
+from halo_service.settings import Settings
+from halo_service.values import TouchFrame
+
+log = logging.getLogger(__name__)
+
+RATE_HZ = 30.0
+SCENE_S, HEALTH_S = 0.5, 1.0
+
+
+class Stop(Protocol):
+    """An event, as `threading.Event`."""
+
+    def wait(self, timeout: float) -> bool:
+        """Wait; True: it is set."""
+
+
+def send_pattern(settings: Settings, only: Sequence[Destination], seconds: float | None) -> None:
+    """Send until Ctrl-C or for some seconds, on every output of the settings.
+
+    `only`: send to these alone; empty: on every output.
+    """
+    session = f"s{secrets.token_hex(4)}"
+    stopped = threading.Event()
+    stop_on_signals(stopped.set)
+    with ExitStack() as stack:
+        control = ControlPort(settings.control.host, settings.control.port)
+        stack.callback(control.close)
+        names = NameWatch(settings.node, session)
+        to = list(only) or destinations(settings)
+        osc = stack.enter_context(closing(OscOutput(to)))
+        carriers: list[Carrier] = [osc]
+        if not only:
+            carriers += zenoh_output(settings, names, Pattern().surface, stack)
+            web = web_server(settings, names, control, stack)
+            carriers += [web] if web else []
+            log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
+        log.info("osc to %s", ", ".join(map(str, to)) or "off")
+        log.info("ready: a pointer draws a circle every 4 s; Ctrl-C ends")
+        leases = Leases(settings.node, session, settings.control.networks)
+        frames = FrameEncoder(
+            settings.node, session, wire.first_frame(CLOCK.unix_us()), settings.osc.max_bytes
+        )
+        sender = PatternSender(Pattern(), frames, carriers, control.port)
+        until_s = time.monotonic() + seconds if seconds is not None else None
+        while not stopped.wait(1.0 / RATE_HZ):
+            _answer(control, leases, osc)
+            sender.send(time.monotonic())
+            if until_s is not None and time.monotonic() >= until_s:
+                break
+        sender.end()
+
+
+def _answer(control: ControlPort, leases: Leases, osc: OscOutput) -> None:
+    """Answer the clients that ask for the stream."""
+    now_s = time.monotonic()
+    for message in control.drain():
+        for datagram, _ in leases.handle(message, now_s):
+            message.answer(datagram)
+    leases.expire(now_s)
+    osc.set_leased(leases.destinations)
+
+
+@dataclass(frozen=True, slots=True)
+class _Due:
+    scene_s: float = float("-inf")
+    health_s: float = float("-inf")
+    frame_s: float = -1.0
+
+
+class PatternSender:
+    """Encodes the pattern and its reports for carriers; time is an argument."""
+
+    def __init__(
+        self,
+        pattern: Pattern,
+        frames: FrameEncoder,
+        carriers: Sequence[Carrier],
+        control_port: int = 0,
+    ) -> None:
+        """`control_port`: 0 if there is none."""
+        self._pattern, self._frames, self._carriers = pattern, frames, carriers
+        self._control_port = control_port
+        self._began_s: float | None = None
+        self._due = _Due()
+
+    def send(self, now_s: float) -> None:
+        """Send the frame of a time, and the reports that are due; `now_s`: monotonic."""
+        if self._began_s is None:
+            self._began_s = now_s
+        scene_s, health_s = self._due.scene_s, self._due.health_s
+        if now_s - scene_s >= SCENE_S:
+            scene_s = now_s
+            self._report(self._scene())
+        if now_s - health_s >= HEALTH_S:
+            health_s = now_s
+            self._report(self._health())
+        t_s = now_s - self._began_s
+        frame = self._pattern.frame(t_s, self._due.frame_s, CLOCK.unix_us())
+        self._due = _Due(scene_s, health_s, t_s)
+        self._send(frame)
+
+    def end(self) -> None:
+        """Send an empty frame, so that no pointer stays at a client."""
+        pattern = self._pattern
+        size_mm = pattern.width_mm, pattern.height_mm
+        self._send(TouchFrame(CLOCK.unix_us(), pattern.surface, *size_mm))
+
+    def _send(self, frame: TouchFrame) -> None:
+        outgoing = self._frames.encode(frame)
+        for carrier in self._carriers:
+            carrier.send(outgoing)
+
+    def _report(self, message: wire.Scene | wire.Health) -> None:
+        for carrier in self._carriers:
+            carrier.send(OutgoingReport(self._pattern.surface, message))
+
+    def _scene(self) -> wire.Scene:
+        return wire.Scene(
+            self._frames.node,
+            self._frames.session,
+            wire.VERSION,
+            self._pattern.width_mm,
+            self._pattern.height_mm,
+            wire.Calibration.COMPLETE,
+            1,
+            wire.Source.VIRTUAL,
+            RATE_HZ,
+            self._control_port,
+        )
+
+    def _health(self) -> wire.Health:
+        return wire.Health(
+            self._frames.node,
+            self._frames.session,
+            RATE_HZ,
+            0.0,
+            0,
+            0,
+            wire.Tracker.OFF,
+            wire.Camera.RUNNING,
+            -1.0,
+        )

@@ -157,8 +157,10 @@ def _states(profile: Profile) -> Rows:
     }
     for fingers, states in sets.items():
         if states is not None:
-            for name in ("hover", "subtle", "touch", "pressure"):
-                yield fingers, f"{name} {_state(getattr(states, name))}"
+            for name in ("hover", "subtle", "touch", "pressure", "hard"):
+                held = getattr(states, name)
+                if held is not None:
+                    yield fingers, f"{name} {_state(held)}"
 
 
 def _state(held: TouchState) -> str:

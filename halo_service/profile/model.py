@@ -44,7 +44,7 @@ class Background:
 
 @dataclass(frozen=True, slots=True)
 class TouchState:
-    """One of the four states the user held still."""
+    """One of the states that the user held still."""
 
     signal: float
     """Median halo signal while it was held, corrected to the calibration's place, mm px."""
@@ -78,7 +78,7 @@ class TouchState:
 
 @dataclass(frozen=True, slots=True)
 class TouchStates:
-    """The four states of the paper's first calibration task (section 4.3.5)."""
+    """The four states of the paper's first calibration task (section 4.3.5), and one more."""
 
     hover: TouchState
     subtle: TouchState
@@ -90,6 +90,8 @@ class TouchStates:
     """From the pad to the finger's upper side above it."""
     tip_radius_mm: float = 7.0
     """Half the fingertip's width (where unmeasured: half an adult's index finger, chosen)."""
+    hard: TouchState | None = None
+    """A press harder than the medium one, for the far end of the force's curve; None: not held."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -309,6 +309,7 @@ def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
         held = text["touch"][state]
         del held["readings"], held["raw_readings"], held["noise"]
         held["deep_mm"] = held["deep_raw_mm"] = 9.0
+    del text["touch"]["hard"]
     file.write_text(json.dumps(text), encoding="utf-8")
     loaded = load(tmp_path)
     assert loaded.touch is not None and loaded.correction is not None

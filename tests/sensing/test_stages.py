@@ -17,7 +17,7 @@ from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.fingertips import line_of_sight_deg
 from halo_service.sensing.hover import clearly_above, hover_height
-from halo_service.sensing.pressure import force, touch_pressure
+from halo_service.sensing.pressure import force, touch_force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.silhouette import silhouette_end
@@ -388,6 +388,24 @@ def test_pressure_and_force(
     assert (by_sum, by_dent) == pytest.approx((pressure, pressure), abs=0.001)
     assert touch_pressure(signal(3.0, total), profile.touch) == by_sum
     assert force(by_sum, profile.touch) == pytest.approx(grams, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("dent_mm", "grams"), [(11.0, 25.0), (15.0, 200.0), (16.0, 292.5), (17.0, 400.0), (18.0, 519.7)]
+)
+def test_a_hard_press_fixes_the_far_end_of_the_force(
+    dented: TouchStates, dent_mm: float, grams: float
+) -> None:
+    readings = read(3500.0, 17.0)
+    hard = replace(dented.pressure, force_g=400.0, readings=readings, noise=NOISE)
+    states = replace(dented, hard=hard)
+    assert touch_force(signal(dent_mm), states)[0] == pytest.approx(grams, abs=1.0)
+
+
+def test_a_force_is_as_sure_as_the_readings_are(dented: TouchStates) -> None:
+    vague = replace(signal(15.0), deviations=(0.2,) * 4)
+    steady = replace(signal(15.0), deviations=(0.02,) * 4)
+    assert touch_force(vague, dented)[1] > 2.0 * touch_force(steady, dented)[1] > 0.0
 
 
 def test_pressure_grows_with_the_halo(dented: TouchStates) -> None:

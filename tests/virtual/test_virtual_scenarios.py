@@ -120,11 +120,14 @@ def test_the_study_holds_each_level_twice(scenario, field, levels):
         assert np.mean(values) == pytest.approx(step.fields[field], rel=0.06)
 
 
-def test_calibration_follows_the_script_that_it_reports():
-    running, snapshots, _ = run("sim:calibration?seed=4", 44.0, 0.1)
+@pytest.mark.parametrize(
+    ("scenario", "hard"), [("calibration", []), ("calibration-hard", ["hard"])]
+)
+def test_calibration_follows_the_script_that_it_reports(scenario, hard):
+    running, snapshots, _ = run(f"sim:{scenario}?seed=4", 48.0, 0.1)
     assert running.finished
     names = [step.name for step in running.steps]
-    assert names == ["background", "hover", "subtle", "touch", "pressure", "sweep"]
+    assert names == ["background", "hover", "subtle", "touch", "pressure", *hard, "sweep"]
     assert all(a.to_s <= b.from_s for a, b in itertools.pairwise(running.steps))
     room = parse_sim_url(f"sim:calibration?seed=4&{KIND_URL}").room
     for step in running.steps:
@@ -136,7 +139,7 @@ def test_calibration_follows_the_script_that_it_reports():
             assert pads[:, 1].min() > 0.5 * room.camera_height_mm  # out of view
         if step.name in ("hover", "subtle"):
             assert np.mean(-pads[:, 2]) == pytest.approx(step.fields["height_mm"], abs=0.4)
-        if step.name in ("touch", "pressure"):
+        if step.name in ("touch", "pressure", "hard"):
             forces = [hand.force_g[Finger.INDEX] for hand in hands]
             assert np.mean(forces) == pytest.approx(step.fields["force_g"], rel=0.05)
         if step.name == "sweep":

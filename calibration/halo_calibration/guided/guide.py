@@ -14,7 +14,7 @@ from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.observe import DetectHands, Observation, Observer
 from halo_calibration.solvers.background import WANTED_FRAMES
 from halo_calibration.solvers.sweep import SWEEP_S, SweepObservations, covered, draw_map, samples_of
-from halo_calibration.solvers.touch import HOLD_S, STATES, HoldObservations, check_hold
+from halo_calibration.solvers.touch import HOLD_S, HoldObservations, check_hold
 from halo_calibration.steps import Change, Setup
 from halo_calibration.steps.session import Session
 from halo_service.profile import Profile
@@ -32,8 +32,8 @@ class Prompt(NamedTuple):
     """What the person shall do now; a virtual user takes it by its name."""
 
     name: str
-    """background, hover, subtle, touch, pressure, sweep or pilot; sheet, corner, board, cross or
-    marker."""
+    """background, hover, subtle, touch, pressure, hard, sweep or pilot; sheet, corner, board, cross
+    or marker."""
     words: str
     pitch_deg: float = 45.0
     """The wedge's."""
@@ -56,6 +56,7 @@ PROMPTS = {
     "subtle": Prompt("subtle", "SUBTLE: as near as you can without touching, about 1 mm above."),
     "touch": Prompt("touch", "TOUCH: let the fingertip rest on the surface, relaxed."),
     "pressure": Prompt("pressure", "PRESSURE: press down with medium force."),
+    "hard": Prompt("hard", "HARD: press as hard as you stated (--hard-g), and no harder."),
     "sweep": Prompt(
         "sweep",
         "SWEEP: rest the finger on the 45 degree wedge, its tip on the surface, and draw it over "
@@ -116,7 +117,7 @@ class GuidedCalibration:
         return self.until_good(attempt)
 
     def touch(self, profile: Profile) -> Change:
-        """Calibrate the four states; a state that is not still is done again at once, the set once
+        """Calibrate the held states; a state that is not still is done again at once, the set once
         more where they overlap."""
         observer = self.observer(profile)
 
@@ -126,7 +127,8 @@ class GuidedCalibration:
             return held
 
         def attempt() -> Change:
-            holds = {state: self.until_good(lambda s=state: one(s)) for state in STATES}  # type: ignore[misc]
+            states = self.setup.state_values.to_hold
+            holds = {state: self.until_good(lambda s=state: one(s)) for state in states}  # type: ignore[misc]
             return steps.touch_change(self.setup, holds)
 
         return self.until_good(attempt)

@@ -9,7 +9,7 @@ from halo_calibration import steps
 from halo_calibration.observe import DetectHands, Observation, Observer
 from halo_calibration.scripted.place import PLACE_STEPS, place_change
 from halo_calibration.scripted.script import ScriptStep, state_values_in
-from halo_calibration.solvers.touch import STATES, HoldObservations, check_hold
+from halo_calibration.solvers.touch import HELD_STATES, HoldObservations, check_hold
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
 from halo_service.profile import Profile
@@ -58,12 +58,12 @@ class ScriptedCalibration:
             change = place_change(setup, line, frames, known, self._observer_for)
             if step == "surface":
                 self._observer = None  # its places are in the old frame
-        elif step in STATES:
+        elif step in HELD_STATES:
             known = steps.require(profile, step)
             held = steps.watch_hold(step, frames, expected, self._observer_for(known), _ignore)
             check_hold(held)  # refused at once if it is not good
             self._helds[step] = held
-            if len(self._helds) < len(STATES):
+            if len(self._helds) < len(setup.state_values.to_hold):
                 return known
             change = steps.touch_change(setup, self._helds)
         else:
@@ -71,7 +71,7 @@ class ScriptedCalibration:
             swept = steps.watch_sweep(frames, expected, self._observer_for(known), _ignore)
             change = steps.sweep_change(setup, swept, known)
         profile = change(profile)
-        self._say(f"{step}: done" if step not in STATES else "touch: done")
+        self._say(f"{step}: done" if step not in HELD_STATES else "touch: done")
         return profile
 
     def _observer_for(self, profile: Profile) -> Observer:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from halo_calibration.boards.board import FAMILIES
-from halo_calibration.solvers.touch import STATES, StateValues
+from halo_calibration.solvers.touch import HARD, HELD_STATES, STATES, StateValues
 from halo_service.errors import UserError
 from halo_service.files import read_text
 
@@ -28,6 +28,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "subtle": ("height_mm",),
     "touch": ("force_g",),
     "pressure": ("force_g",),
+    "hard": ("force_g",),
     "sweep": ("force_g",),
 }
 """The steps a script may name, and its fields in addition to the times."""
@@ -75,9 +76,12 @@ def parse_script(data: Any, name: str) -> tuple[ScriptStep, ...]:
         if after.step in {line.step for line in lines if line is not after}:
             raise UserError(f"the script {name} names '{after.step}' twice; leave one out")
     named = {line.step for line in lines}
-    if named & set(STATES) and not named >= set(STATES):
+    if named & set(HELD_STATES) and not named >= set(STATES):
         missing = ", ".join(state for state in STATES if state not in named)
         raise UserError(f"the script {name} lacks {missing}: the four states belong together")
+    hard = next((line for line in lines if line.step == HARD), None)
+    if hard is not None and "force_g" not in hard.fields:
+        raise UserError(f"the script {name}: 'hard' needs force_g, the grams of the hard press")
     return tuple(lines)
 
 
@@ -93,6 +97,7 @@ def state_values_in(lines: tuple[ScriptStep, ...], otherwise: StateValues) -> St
         of("subtle", "height_mm", otherwise.subtle_mm),
         of("touch", "force_g", otherwise.touch_g),
         of("pressure", "force_g", otherwise.pressure_g),
+        of(HARD, "force_g", None),  # held if the script has it
     )
 
 

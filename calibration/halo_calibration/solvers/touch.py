@@ -1,4 +1,4 @@
-"""The four states: is the finger still, and are the signals separate and in order? Pure."""
+"""The held states: is the finger still, and are the signals separate and in order? Pure."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ from halo_service.sensing.fingertips import TIP_RADIUS_MM
 
 STATES = ("hover", "subtle", "touch", "pressure")
 """From the weakest halo to the strongest (paper 4.3.5)."""
+HARD = "hard"
+"""A press harder than the medium one: optional, and ours. It fixes the far end of the force."""
+HELD_STATES = (*STATES, HARD)
 HOLD_S = 2.0
 """How long each is held."""
 LEAST_RECEIVED = 0.6
@@ -39,13 +42,15 @@ CLEAR_SIGMAS = 3.0
 """A depth of the halo separates two states if they differ by so many."""
 GOOD_SIGMAS = 6.0
 """From here on every single frame separates them."""
+LEAST_HARDER = 1.3
+"""A hard press is at least so many times the medium one, or it adds nothing (chosen)."""
 NOISE_FLOOR_MM_PX = 10.0
 """No signal is steadier than a pixel that comes and goes at the patch's edge."""
 
 
 @dataclass(frozen=True, slots=True)
 class StateValues:
-    """Heights and forces of the four states, and whether the user measured them.
+    """Heights and forces of the held states, and whether the user measured them.
 
     Assumed, the heights are the paper's (4.3.5) and a relaxed touch is taken as 25 g; the force
     of a medium press is then unknown.
@@ -55,6 +60,28 @@ class StateValues:
     subtle_mm: float | None = None
     touch_g: float | None = None
     pressure_g: float | None = None
+    hard_g: float | None = None
+    """Of the hard press; None: it is not held."""
+
+    def __post_init__(self) -> None:
+        """Check the forces against each other. Raises `CalibrationError`."""
+        if self.hard_g is None:
+            return
+        if self.pressure_g is None:
+            raise CalibrationError(
+                "a hard press needs the grams of the medium one too: give both, as in "
+                "--press-g 200 --hard-g 400"
+            )
+        if self.hard_g < LEAST_HARDER * self.pressure_g:
+            raise CalibrationError(
+                f"a hard press of {self.hard_g:g} g is too near to the medium one of "
+                f"{self.pressure_g:g} g: press at least {LEAST_HARDER:g} times as hard"
+            )
+
+    @property
+    def to_hold(self) -> tuple[str, ...]:
+        """Return the states that are held, in order."""
+        return STATES if self.hard_g is None else HELD_STATES
 
     def of(self, state: str) -> tuple[float, float, bool]:
         """Return a state's height in mm, its force in grams, and whether they were given."""
@@ -63,6 +90,7 @@ class StateValues:
             "subtle": (self.subtle_mm, self.subtle_mm or 1.0, 0.0),
             "touch": (self.touch_g, 0.0, self.touch_g or 25.0),
             "pressure": (self.pressure_g, 0.0, self.pressure_g or -1.0),
+            HARD: (self.hard_g, 0.0, self.hard_g or -1.0),
         }[state]
         return height_mm, force_g, given is not None
 
@@ -129,11 +157,12 @@ def require_seen(step: str, received: int, seen: int) -> None:
 def solve_touch(
     holds: Mapping[str, HoldObservations], state_values: StateValues, correction: Correction | None
 ) -> tuple[TouchStates, float, Quality]:
-    """Return the four states, how many standard deviations the nearest two are apart, quality.
+    """Return the held states, how many standard deviations the nearest two are apart, quality.
 
     Raises `CalibrationError`: a state moved, two overlap or are swapped, or there is no halo.
     The reading of the halo that separates two states best decides. Where no depth of the halo does,
-    the signal alone is used between them; the quality is then fair.
+    the signal alone is used between them; the quality is then fair. A hard press that reads no
+    stronger than the medium one is left out: there the halo no longer grows.
     """
     middles = {state: check_hold(holds[state]) for state in STATES}
     read = {state: _readings(holds[state]) for state in STATES}
@@ -149,9 +178,22 @@ def solve_touch(
         line_px_at_hover=float(np.median([each.line_px for each in seen])),
         finger_thickness_mm=_finite([each.top_mm - hover_mm for each in seen], THICKNESS_MM),
         tip_radius_mm=_finite([each.width_mm / 2.0 for each in seen], TIP_RADIUS_MM),
+        hard=_hard_state(holds, read["pressure"], state_values),
     )
     quality: Quality = "good" if apart >= GOOD_SIGMAS and dents_known(states) else "fair"
     return corrected(states, correction), apart, quality
+
+
+def _hard_state(
+    holds: Mapping[str, HoldObservations], pressed: Readings, state_values: StateValues
+) -> TouchState | None:
+    if HARD not in holds:
+        return None
+    held = holds[HARD]
+    middle = check_hold(held)
+    if _best(pressed, _readings(held)).sigmas < APART_SIGMAS:
+        return None
+    return _held_state(held, middle, state_values)
 
 
 def dents_known(states: TouchStates) -> bool:
@@ -179,6 +221,7 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
         subtle=_through(states.subtle, correction),
         touch=_through(states.touch, correction),
         pressure=_through(states.pressure, correction),
+        hard=None if states.hard is None else _through(states.hard, correction),
     )
 
 

@@ -22,7 +22,7 @@ from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, pl
 from halo_service.app.calibration_ui.terminal import Terminal, step_line
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, is_sim, open_source
-from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
+from halo_service.app.virtual_user.user import HARD_G, STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.profile.store import amend, exists, load, profile_path, require_fit
@@ -178,10 +178,15 @@ def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: 
         camera=source.camera,
         date=_date(settings.source.name),
         settings=settings.sensing,
-        state_values=STATE_VALUES if virtual else request.state_values,
+        state_values=_virtual_values(request) if virtual else request.state_values,
         base=choose_base(request.base, source.camera.serial),
         side=request.side,
     )
+
+
+def _virtual_values(request: CalibrateRequest) -> StateValues:
+    """Return what the virtual user holds: the hard press only on request, with its own force."""
+    return replace(STATE_VALUES, hard_g=None if request.state_values.hard_g is None else HARD_G)
 
 
 def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:

@@ -35,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--touch-g", type=float, metavar="G", help="force of the relaxed touch")
     parser.add_argument("--press-g", type=float, metavar="G", help="what the kitchen scale shows")
     parser.add_argument(
+        "--hard-g", type=float, metavar="G", help="hold a hard press too, of this force, about 400"
+    )
+    parser.add_argument(
         "--hand", choices=("left", "right"), help="measure the touch of this hand alone"
     )
     parser.add_argument(
@@ -85,7 +88,9 @@ def run(options: argparse.Namespace) -> int:
     if options.step == "pilot":
         pilot(settings, options.rounds, options.round_s)
         return 0
-    stated = StateValues(options.hover_mm, options.subtle_mm, options.touch_g, options.press_g)
+    stated = StateValues(
+        options.hover_mm, options.subtle_mm, options.touch_g, options.press_g, options.hard_g
+    )
     side = Side[options.hand.upper()] if options.hand else Side.UNKNOWN
     place = _place_request(options)
     calibrate(

@@ -30,7 +30,7 @@ from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
 from halo_service.virtual.timeline import TimelineReader
 
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
-TOUCH_G, PRESSURE_G = 25.0, 200.0
+TOUCH_G, PRESSURE_G, HARD_G = 25.0, 200.0, 400.0
 """Heights of the spacers and forces on the scale (the heights are the paper's, 4.3.5)."""
 STATE_VALUES = StateValues(HOVER_MM, SUBTLE_MM, TOUCH_G, PRESSURE_G)
 STATES = {
@@ -38,6 +38,7 @@ STATES = {
     "subtle": (SUBTLE_MM, 0.0),
     "touch": (0.0, TOUCH_G),
     "pressure": (0.0, PRESSURE_G),
+    "hard": (0.0, HARD_G),
 }
 MOVE_S = 0.8
 """Time from one state to the next: less than the count-down."""

@@ -29,6 +29,7 @@ SCENARIOS: dict[str, Callable[[Room, np.random.Generator], Scenario]] = {
     "demo": demo.demo,
     "idle": idle.idle,
     "calibration": calibration.calibration,
+    "calibration-hard": calibration.with_hard_press,
     "pointing": study.pointing,
     "hover": study.hover,
     "pressure": study.pressure,
@@ -45,7 +46,9 @@ SCENARIOS: dict[str, Callable[[Room, np.random.Generator], Scenario]] = {
     "labels": labels.labels,
     "hand": controlled.hand,
 }
-ENDING = frozenset({"calibration", "hover", "pressure", "threshold", "awkward", "labels"})
+ENDING = frozenset(
+    {"calibration", "calibration-hard", "hover", "pressure", "threshold", "awkward", "labels"}
+)
 """Scenarios that end by themselves; the others never end."""
 ROOM_CHANGES: dict[str, Callable[[Room], Room]] = {
     "projector": projector.lit,

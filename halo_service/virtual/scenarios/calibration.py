@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -16,8 +16,8 @@ BACKGROUND_S = 2.5
 HOLD_S = 2.0
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 """About 1 cm and 0.1 cm (4.3.5, figure)."""
-TOUCH_G, PRESS_G = 25.0, 200.0
-"""A relaxed touch and a medium press, chosen."""
+TOUCH_G, PRESS_G, HARD_G = 25.0, 200.0, 400.0
+"""A relaxed touch, a medium and a hard press, chosen."""
 SWEEP_S = 20.0
 SWEEP_ROWS = 6
 EDGE_MM = 25.0
@@ -26,10 +26,16 @@ EDGE_MM = 25.0
 
 def calibration(room: Room, rng: np.random.Generator) -> Scenario:
     """Ends by itself after about 45 s; its script names the steps."""
-    return solo(room, rng, lambda p: _script(p, room))
+    return solo(room, rng, lambda p: _script(p, room, {"touch": TOUCH_G, "pressure": PRESS_G}))
 
 
-def _script(p: Timeline, room: Room) -> Iterator[Segment]:
+def with_hard_press(room: Room, rng: np.random.Generator) -> Scenario:
+    """The same, with a hard press after the medium one."""
+    forces_g = {"touch": TOUCH_G, "pressure": PRESS_G, "hard": HARD_G}
+    return solo(room, rng, lambda p: _script(p, room, forces_g))
+
+
+def _script(p: Timeline, room: Room, forces_g: Mapping[str, float]) -> Iterator[Segment]:
     yield from p.step("background", p.hold(BACKGROUND_S))
     middle = {"x_mm": WIDTH_MM / 2.0, "y_mm": HEIGHT_MM / 2.0, "pitch_deg": 45.0}
     yield from p.reach(1.2, **middle, height_mm=25.0)
@@ -38,7 +44,7 @@ def _script(p: Timeline, room: Room) -> Iterator[Segment]:
         yield from p.hold(0.5)
         yield from p.step(name, p.hold(HOLD_S), height_mm=height)
         yield from p.hold(0.3)
-    for name, force in (("touch", TOUCH_G), ("pressure", PRESS_G)):
+    for name, force in forces_g.items():
         yield from p.reach(0.5, height_mm=12.0)
         yield from _held_press(p, name, force)
     yield from p.reach(0.6, height_mm=25.0)

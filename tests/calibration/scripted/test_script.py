@@ -38,6 +38,14 @@ def test_steps_come_in_the_order_of_time(tmp_path: Path) -> None:
     assert state_values_in(lines, StateValues(hover_mm=9.0)) == StateValues(12.0, 1.0, 25.0, 200.0)
 
 
+def test_a_hard_press_is_held_where_the_script_has_it() -> None:
+    hard = {"step": "hard", "from_s": 14, "to_s": 15, "force_g": 400}
+    lines = parse_script([*GOOD, hard], "s.json")
+    assert state_values_in(lines, StateValues()).to_hold[-1] == "hard"
+    before = StateValues(pressure_g=200.0, hard_g=400.0)
+    assert state_values_in(parse_script(GOOD, "s.json"), before).hard_g is None
+
+
 def changed(index: int, **fields: object) -> list[dict[str, object]]:
     lines: list[dict[str, object]] = [dict(line) for line in GOOD]
     lines[index].update(fields)
@@ -58,6 +66,8 @@ def changed(index: int, **fields: object) -> list[dict[str, object]]:
         (changed(1, to_s=True), "must be a number"),
         (changed(5, step="background"), "names 'background' twice|has no field"),
         (GOOD[:3], "lacks touch, pressure"),
+        ([{"step": "hard", "from_s": 0, "to_s": 1, "force_g": 400}], "lacks hover, subtle"),
+        ([*GOOD, {"step": "hard", "from_s": 14, "to_s": 15}], "'hard' needs force_g"),
         (changed(0, by="touch"), "has no field 'by'"),
         ([PROJECTOR | {"by": "magic"}], "by of 'projector' must be one of markers, gray, touch"),
         ([PROJECTOR | {"by": 3}], "must be one of markers"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +17,7 @@ from halo_calibration.solvers.touch import (
     corrected,
     solve_touch,
 )
-from halo_calibration.steps import NO_DENTS, Setup, touch_change
+from halo_calibration.steps import NO_DENTS, NO_HARD, Setup, touch_change
 from halo_service.profile import Correction, Profile, TouchStates
 from halo_service.sensing.states import span
 from halo_service.values import Signal
@@ -84,6 +85,41 @@ def test_bad_states_are_refused_with_the_remedy(
 ) -> None:
     with pytest.raises(CalibrationError, match=says):
         solve_touch(all_of(hold, **{state: hold(state, **how)}), StateValues(), None)
+
+
+WITH_HARD = StateValues(pressure_g=200.0, hard_g=400.0)
+
+
+def test_a_hard_press_is_held_and_corrected_like_the_others(hold: Hold) -> None:
+    holds = all_of(hold) | {"hard": hold("hard", 3300.0)}
+    states, _, quality = solve_touch(holds, WITH_HARD, None)
+    assert states.hard is not None
+    assert (states.hard.signal, states.hard.force_g) == (pytest.approx(3300.0, abs=10.0), 400.0)
+    assert quality == "good"
+    stale = replace(states, hard=replace(states.hard, signal=0.0))
+    assert corrected(stale, None).hard == states.hard
+    assert solve_touch(all_of(hold), StateValues(), None)[0].hard is None
+
+
+def test_a_hard_press_that_the_halo_does_not_show_is_left_out_with_a_note(
+    hold: Hold, profile: Profile
+) -> None:
+    holds = all_of(hold) | {"hard": hold("hard", RAW["pressure"])}
+    assert solve_touch(holds, WITH_HARD, None)[0].hard is None
+    setup = Setup("desk", profile.camera, "2024-05-01", state_values=WITH_HARD)
+    after = touch_change(setup, holds)(profile)
+    assert NO_HARD in after.steps["touch"].note
+
+
+@pytest.mark.parametrize(
+    ("forces_g", "says"),
+    [((None, 400.0), "needs the grams of the medium one"), ((200.0, 210.0), "too near")],
+)
+def test_a_hard_press_needs_a_medium_one_below_it(
+    forces_g: tuple[float | None, float], says: str
+) -> None:
+    with pytest.raises(CalibrationError, match=says):
+        StateValues(pressure_g=forces_g[0], hard_g=forces_g[1])
 
 
 def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:

@@ -49,6 +49,7 @@ TAPS_HZ = 2.0
 WARM_UP_S = 20.0
 GROWTH = 0.02
 """Of memory, after warm-up."""
+LEAKED_MB = 100
 SUSPENDED_S = 4.0
 CLIENTS = 20
 UNREPORTED = -1.0
@@ -209,6 +210,18 @@ def _failed(before: Health, after: Health) -> bool:
     return after.tracker == Tracker.FAILED
 
 
+def _leaks(before: Health, after: Health) -> bool:
+    return after.memory_mb > before.memory_mb + LEAKED_MB
+
+
+def _unrouted(before: Health, after: Health) -> bool:
+    return after.zenoh_missing > 0
+
+
+def _unwritten(before: Health, after: Health) -> bool:
+    return after.write_errors > before.write_errors
+
+
 SWITCHED: dict[Fault, tuple[float, Shows, bool]] = {
     "drops": (2.0, _dropped, True),
     "stalls": (0.0, _camera(Camera.LOST), True),
@@ -221,6 +234,7 @@ SWITCHED: dict[Fault, tuple[float, Shows, bool]] = {
     "tilted": (0.0, _fit, True),
     "tracker dies": (1.0, _failed, True),
     "tracker hangs": (0.0, _failed, True),
+    "tracker leaks": (4.0, _leaks, True),
     "clock stepped": (1.0, _stepped, True),
 }
 """Least seconds that a fault lasts, how health reports it, and whether touches must come back."""
@@ -278,36 +292,82 @@ class Evening:
         self.ended_empty = not self.seen.open
 
     def _switched(self, fault: Fault, least_s: float, shows: Shows) -> None:
-        before = self.seen.health
-        began_s = time.monotonic()
+        before, began_s = self.seen.health, time.monotonic()
         self._order("begin", fault)
-        self._watch(
-            REPORTED_S, lambda: before is not None and shows(before, self.seen.health or before)
-        )
-        reported = before is not None and shows(before, self.seen.health or before)
-        reported_s = time.monotonic() - began_s if reported else None
+        reported_s = self._reported(before, began_s, shows)
         self._watch(least_s - (time.monotonic() - began_s))
         self._order("end", fault)
         self.rows.append((fault, reported_s, self._recovery()))
 
+    def _reported(self, before: Health | None, began_s: float, shows: Shows) -> float | None:
+        """Wait until `health` shows a fault; return how long that took, None if it never did."""
+
+        def reported() -> bool:
+            return before is not None and shows(before, self.seen.health or before)
+
+        self._watch(REPORTED_S, reported)
+        return time.monotonic() - began_s if reported() else None
+
     def _others(self) -> None:
         """Faults around the service: no camera, no tracker is involved."""
-        from halo_service.profile.store import amend
+        self._without_a_router()
+        self._suspended()
+        self._disk_full()
+        self._replaced()
+        for _ in range(CLIENTS):
+            with halo_client.connect(f"osc://?hello=127.0.0.1:{self._ports['control']}") as client:
+                client.poll(0.05)
+                self._watch(0.05)
+        self.rows.append((f"{CLIENTS} clients", UNREPORTED, self._recovery()))
 
+    def _without_a_router(self) -> None:
+        """Kill the Zenoh router, start it again, and wait for a touch that comes through it."""
+        before, began_s = self.seen.health, time.monotonic()
         self._end(self._router)
-        self._watch(2.0)
+        reported_s = self._reported(before, began_s, _unrouted)
         self._router = self._start_router()
-        self.rows.append(("router killed", UNREPORTED, self._recovery()))
+        self._watch(20.0, self._routes)
+        ended_s, routed = time.monotonic(), Seen()
+        url = f"zenoh://?mode=client&connect=tcp/127.0.0.1:{self._ports['router']}"
+        with halo_client.connect(url) as client:
+            while not routed.downs and time.monotonic() - ended_s < REPORTED_S:
+                for event in client.poll(0.02):
+                    routed.update(event, time.monotonic())
+                self._watch(0.0)
+        back_s = routed.down_s - ended_s if routed.downs else None
+        self.rows.append(("router killed", reported_s, back_s))
+
+    def _routes(self) -> bool:
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self._ports["router"])) == 0
+
+    def _suspended(self) -> None:
+        before = self.seen.health
         os.kill(self._service.pid or 0, signal.SIGSTOP)
+        self._watch(0.1)  # what was sent before
+        self.seen.last_frame_s = None  # no frame is sent, so that is no gap
         self._watch(SUSPENDED_S)
-        self.seen.last_frame_s = None
+        began_s = time.monotonic()
         os.kill(self._service.pid or 0, signal.SIGCONT)
-        self.rows.append(("suspended", UNREPORTED, self._recovery()))
+        back_s = self._recovery()
+        self.rows.append(("suspended", self._reported(before, began_s, _bad), back_s))
+
+    def _disk_full(self) -> None:
+        """Let the service save a new background, which needs an empty table, on a full disk."""
+        self._order("begin", "hands away")
+        self._watch(0.5)
+        before, began_s = self.seen.health, time.monotonic()
         self._order("begin", "disk full")
         self._control("/halo/1/control/background")
-        self._watch(4.0)
+        reported_s = self._reported(before, began_s, _unwritten)
         self._order("end", "disk full")
-        self.rows.append(("disk full", UNREPORTED, self._recovery()))
+        self._order("end", "hands away")
+        self.rows.append(("disk full", reported_s, self._recovery()))
+
+    def _replaced(self) -> None:
+        """Replace the profile while the service runs."""
+        from halo_service.profile.store import amend
+
         revision = amend(self._folder / "profile", lambda known: known or profile()).revision
         began_s = time.monotonic()
         scene = self.seen.scene
@@ -315,11 +375,6 @@ class Evening:
         reported = self.seen.scene is not None and self.seen.scene.revision == revision
         reported_s = time.monotonic() - began_s if reported else None
         self.rows.append(("profile replaced", reported_s, self._recovery()))
-        for _ in range(CLIENTS):
-            with halo_client.connect(f"osc://?hello=127.0.0.1:{self._ports['control']}") as client:
-                client.poll(0.05)
-                self._watch(0.05)
-        self.rows.append((f"{CLIENTS} clients", UNREPORTED, self._recovery()))
 
     def _kill(self) -> None:
         """Kill the service in mid-touch, and start it again."""
@@ -350,9 +405,11 @@ class Evening:
     def _watch(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
         """Receive for a while, or until something is seen."""
         end_s = time.monotonic() + seconds
-        while time.monotonic() < end_s and not until():
+        while True:
             for event in self._receiver.poll(0.02):
                 self.seen.update(event, time.monotonic())
+            if time.monotonic() >= end_s or until():
+                return
 
     def _order(self, order: str, fault: str) -> None:
         self._pipe.send((order, fault))

@@ -78,6 +78,12 @@ class DrawnTable:
         x, y = self.lens.project(self.surface.to_camera(np.array([[*at_mm, -height_mm]])))[0]
         return float(x), float(y)
 
+    @cached_property
+    def empty(self) -> Frame:
+        """The table without a hand."""
+        depth = np.full(self.shape, self.distance_mm, np.uint16)
+        return Frame(0, depth, np.full(self.shape, 1000, np.uint16))
+
     def frame(
         self, at_mm: Pair = MIDDLE, dent_mm: float = 0.0, height_mm: float = 0.0, time_us: int = 0
     ) -> Frame:
@@ -113,7 +119,7 @@ class DrawnTable:
         self, tip_px: Pair, px_per_mm: float, dent_mm: float, height_mm: float, time_us: int
     ) -> Frame:
         """Draw a finger; its outline ends at a pixel; 1 mm is `px_per_mm` there."""
-        depth = np.full(self.shape, self.distance_mm, np.uint16)
+        depth = self.empty.depth.copy()
         x, y = round(tip_px[0]), round(tip_px[1])
         radius = round(RADIUS_MM * px_per_mm)
         if dent_mm > 0.0:
@@ -127,7 +133,7 @@ class DrawnTable:
         end = (x, y + radius)
         cv2.line(depth, end, (x, end[1] + round(80.0 * px_per_mm)), top, thickness=2 * radius)
         cv2.circle(depth, end, radius, top, thickness=-1)
-        return Frame(time_us, depth, np.full(self.shape, 1000, np.uint16))
+        return Frame(time_us, depth, self.empty.ir)
 
     def _profile(self, signals: dict[str, float]) -> Profile:
         background = Background(

@@ -6,6 +6,7 @@ but camera and hands is replaced, so each fault goes through the real parts.
 
 from __future__ import annotations
 
+import mmap
 import threading
 import time
 from dataclasses import dataclass, field, replace
@@ -24,6 +25,8 @@ from tests.drawn import DEPTHS_MM, MIDDLE, VIEWS
 FPS = 30
 CYCLE_S = 0.5
 """From tap to tap."""
+LEAK_MB = 10
+"""Of a tracker that leaks, for each frame."""
 STEPS = 15
 """Frames of a tap."""
 HEIGHTS_MM = (30.0, 22.0, 14.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0, 14.0, 22.0, 30.0, 30.0)
@@ -31,7 +34,8 @@ TABLE = VIEWS["350 mm"]
 
 Fault = Literal[
     "drops", "stalls", "unplugged", "another device", "black", "no depth", "time ahead",
-    "time back", "tilted", "tracker dies", "tracker hangs", "clock stepped",
+    "time back", "tilted", "tracker dies", "tracker hangs", "tracker leaks", "clock stepped",
+    "hands away",
 ]  # fmt: skip
 
 
@@ -87,6 +91,7 @@ class FaultyCamera:
         self.camera: Camera = replace(TABLE.camera, serial="OTHER" if other else "DRAWN")
         self._due_s = time.monotonic()
         self._random = np.random.default_rng(1)
+        self._empty = TABLE.empty
         if not self._pictures:
             deep = float(DEPTHS_MM["touch"])
             drawn = [TABLE.frame(MIDDLE, deep if h == 0.0 else 0.0, h) for h in HEIGHTS_MM]
@@ -108,6 +113,8 @@ class FaultyCamera:
         if "no depth" in on:
             return BadFrame(time_us, "no depth in this capture")
         picture = self._pictures[int(time.monotonic() / CYCLE_S * STEPS) % STEPS]
+        if "hands away" in on:
+            picture = self._empty
         depth = picture.depth
         if "black" in on:
             depth = np.zeros_like(depth)
@@ -126,6 +133,7 @@ class FaultyTracker:
 
     def __init__(self, faults: Faults = FAULTS) -> None:
         self._faults = faults
+        self._leaked: list[mmap.mmap] = []
 
     def detect(self, frame: Frame) -> Tracked:
         """Return the hand, or fail as the fault asks."""
@@ -133,7 +141,17 @@ class FaultyTracker:
             raise RuntimeError("the model is broken")
         if "tracker hangs" in self._faults.on:
             self._faults.hang.wait()
+        if "tracker leaks" in self._faults.on:
+            self._leak()
+        if "hands away" in self._faults.on:
+            return Tracked(frame.time_us, ())
         return TABLE.hands(MIDDLE, frame.time_us)
 
     def close(self) -> None:
-        """Nothing to free."""
+        """Free what leaked."""
+        for each in self._leaked:
+            each.close()
+
+    def _leak(self) -> None:
+        self._leaked.append(mmap.mmap(-1, LEAK_MB * 10**6))
+        self._leaked[-1].write(bytes(LEAK_MB * 10**6))  # it takes memory once it is written

@@ -42,7 +42,8 @@ const ROWS = Object.fromEntries(
       "node:s session:s revision:i camera_from_surface:f12 anchor_from_surface:f12 anchored:i",
     health:
       "node:s session:s fps:f latency_ms:f drops:i bad_frames:i tracker:i camera:i tracker_ms:f " +
-      "clock_jumps:i clock_error_ms:f profile_fit:i",
+      "clock_jumps:i clock_error_ms:f profile_fit:i zenoh_missing:i write_errors:i " +
+      "memory_mb:i",
   }).map(([kind, text]) => [kind, text.split(" ").map(field)]),
 );
 

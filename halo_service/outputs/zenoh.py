@@ -7,6 +7,7 @@ scene, homography and pose get the latest one.
 from __future__ import annotations
 
 import json
+import logging
 import re
 import time
 from typing import Any
@@ -21,6 +22,9 @@ from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.outputs.settings import LISTEN, ZenohSettings
 
+log = logging.getLogger(__name__)
+
+RETRY = {"period_init_ms": 250, "period_max_ms": 500}
 RETAINED = ("scene", "homography", "pose")
 
 
@@ -34,7 +38,8 @@ class ZenohOutput:
 
         Raises `UserError` when it cannot listen or connect.
         """
-        self._session = _open(settings)
+        self._session, self._connect = _open(settings)
+        self._away: list[str] = []
         self._last: dict[str, bytes] = {}
         self._publishers: dict[str, zenoh.Publisher] = {}
         for kind in ZENOH_KINDS:
@@ -48,6 +53,18 @@ class ZenohOutput:
         self._queryables = [self._answer(wire.zenoh_key(node, surface, k), k) for k in RETAINED]
         self._others = None if names is None else self._subscribe_to_others(node, names)
         self._token = self._session.liveliness().declare_token(wire.liveliness_key(node))
+
+    @property
+    def missing(self) -> int:
+        """Number of the endpoints to connect to without a connection; Zenoh tries them again."""
+        linked = {_protocol_and_port(link.dst) for link in self._session.info.links()}
+        away = [each for each in self._connect if _protocol_and_port(each) not in linked]
+        for each in away if away != self._away else ():
+            log.warning("zenoh: no connection to %s; trying again until it answers", each)
+        if self._away and not away:
+            log.warning("zenoh: connected to %s", ", ".join(self._connect))
+        self._away = away
+        return len(away)
 
     def send(self, outgoing: Outgoing) -> None:
         """Put each datagram as one sample."""
@@ -85,7 +102,8 @@ class ZenohOutput:
         return self._session.declare_queryable(key, reply)
 
 
-def _open(settings: ZenohSettings) -> zenoh.Session:
+def _open(settings: ZenohSettings) -> tuple[zenoh.Session, list[str]]:
+    """Open a session; return it, and the endpoints to which it connects."""
     config = _base_config(settings.config)
     try:
         config.insert_json5("mode", json.dumps("peer"))
@@ -94,7 +112,9 @@ def _open(settings: ZenohSettings) -> zenoh.Session:
         _fill(config, "scouting/multicast/enabled", settings.multicast, False)
         # Zenoh's own limit is 10 s for each address of a peer that cannot be reached.
         _fill(config, "transport/unicast/open_timeout", None, 1000)
-        return zenoh.open(config)
+        # A router that starts later, or again, is found soon.
+        _fill(config, "connect/retry", None, RETRY)
+        return zenoh.open(config), _connects(config)
     except zenoh.ZError as error:
         listen, connect = (_endpoints(config, key) for key in ("listen", "connect"))
         raise UserError(
@@ -124,6 +144,17 @@ def _fill(config: zenoh.Config, key: str, value: Any, default: Any) -> None:
     """
     if value or config.get_json(key) == zenoh.Config().get_json(key):
         config.insert_json5(key, json.dumps(value or default))
+
+
+def _connects(config: zenoh.Config) -> list[str]:
+    endpoints = json.loads(config.get_json("connect/endpoints"))
+    return [each for each in endpoints if isinstance(each, str)] if endpoints else []
+
+
+def _protocol_and_port(locator: str) -> tuple[str, str]:
+    """Return what a link and its endpoint have in common: its host may be a name."""
+    address = re.split(r"[?#]", locator)[0]
+    return address.partition("/")[0], address.rpartition(":")[2]
 
 
 def _endpoints(config: zenoh.Config, key: str) -> str:

@@ -7,6 +7,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from halo_service.runtime.memory import UNKNOWN, memory_mb
 from halo_service.runtime.tracker_thread import TrackerState
 
 WINDOW = 128
@@ -30,6 +31,8 @@ class Health:
     camera: CameraState
     tracker_ms: float
     """Median age of the hands that frames were sensed with; -1 if unknown."""
+    memory_mb: int = UNKNOWN
+    """Memory of the process."""
 
 
 class HealthCounter:
@@ -58,6 +61,7 @@ class HealthCounter:
             tracker=tracker,
             camera=self.camera,
             tracker_ms=_median([sent.age_ms for sent in recent if sent.age_ms is not None]),
+            memory_mb=memory_mb(),
         )
 
 

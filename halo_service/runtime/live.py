@@ -18,6 +18,7 @@ from halo_service.host_clock import CLOCK
 from halo_service.runtime.checks import check_capture
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health, HealthCounter, SlowWatch
+from halo_service.runtime.memory import MemoryWatch
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
 from halo_service.sensing import State
@@ -102,6 +103,7 @@ class LiveLoop:
         self._stopped = threading.Event()
         self._counter = HealthCounter()
         self._slow = SlowWatch()
+        self._memory = MemoryWatch()
         self._last_us: int | None = None
         self._bad_in_a_row = 0
         self._received_s = time.monotonic()
@@ -229,12 +231,19 @@ class LiveLoop:
             self._health_s = now_s
             health = self._health()
             self._warn_if_slow(health)
+            self._free_if_it_leaks(health.memory_mb)
             self._publisher.health(health)
 
     def _warn_if_slow(self, health: Health) -> None:
         warning = self._slow.see(health.fps, self._source.camera.fps) if self._source else ""
         if warning:
             log.warning("%s", warning)
+
+    def _free_if_it_leaks(self, used_mb: int) -> None:
+        """Load the hand model again, which has most of the memory."""
+        if self._tracker is not None and self._memory.leaks(time.monotonic(), used_mb):
+            log.error("memory: it grew to %d MB; the hand model is loaded again", used_mb)
+            self._tracker.reload()
 
     def _health(self) -> Health:
         off = self._tracker is None or self._paused.is_set()

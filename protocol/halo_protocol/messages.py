@@ -298,6 +298,12 @@ class Health:
     """Host's Unix time minus the time in frames, which approaches it by 0.5 ms per second."""
     profile_fit: int = 0
     """A `ProfileFit`."""
+    zenoh_missing: int = 0
+    """Routers and peers of `[zenoh] connect` to which there is no connection now."""
+    write_errors: int = 0
+    """Profiles that could not be written (disk full), in this session."""
+    memory_mb: int = -1
+    """Memory of the service's process in MB; -1 if unknown."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

@@ -139,6 +139,11 @@ REPORTS = [
         Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 0, 0.0, 3),
     ),
     ReportCase(
+        "health-router-gone-disk-full",
+        "A router of `[zenoh] connect` is away and two profiles could not be written.",
+        Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 0, 0.0, 1, 1, 2, 412),
+    ),
+    ReportCase(
         "health-camera-lost",
         "The camera is unplugged; latencies are unknown.",
         Health("desk", "s1", 0.0, -1.0, 2, 40, 0, 2, -1.0),

@@ -116,6 +116,28 @@ def test_a_background_in_which_something_moved_is_not_saved(
     assert load(folder).revision == 1
 
 
+def test_a_background_that_cannot_be_saved_is_counted_and_the_old_one_stays(
+    saved: tuple[ProfileReloader, Path],
+    profile: Profile,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def full(folder: Path, change: object) -> Profile:
+        raise UserError(f"{folder} cannot be written (No space left on device)")
+
+    reloader, folder = saved
+    monkeypatch.setattr("halo_service.app.service.profile_reloader.amend", full)
+    reloader.retake_background()
+    for frame in frames(502):
+        reloader.watch(frame)
+    until = time.monotonic() + PATIENCE_S
+    while reloader.write_errors == 0 and time.monotonic() < until:
+        time.sleep(0.02)
+    assert reloader.write_errors == 1
+    assert load(folder).revision == 1
+    assert reloader.refresh(start(profile, SensingSettings())).profile is profile
+
+
 def test_without_a_profile_there_is_no_background_to_retake(profile: Profile) -> None:
     reloader = ProfileReloader(None, profile.camera, None)
     try:

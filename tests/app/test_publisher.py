@@ -95,6 +95,22 @@ def test_a_carrier_that_fails_does_not_stop_the_others(camera, caplog) -> None:
     ]
 
 
+def test_health_reports_what_is_wrong_around_the_sensing(camera) -> None:
+    heard = Heard()
+    publisher = Publisher(
+        FrameEncoder("desk", "s1", 0),
+        [heard],
+        "virtual",
+        camera,
+        "table",
+        write_errors=lambda: 2,
+        zenoh_missing=lambda: 1,
+    )
+    publisher.health(Health(30.0, 1.0, 0, 0, "off", "running", -1.0, memory_mb=412))
+    health = heard.messages["health"]
+    assert (health.zenoh_missing, health.write_errors, health.memory_mb) == (1, 2, 412)
+
+
 def test_health_reads_the_hosts_clock_also_where_no_source_does(
     camera, monkeypatch: pytest.MonkeyPatch
 ) -> None:

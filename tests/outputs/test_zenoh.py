@@ -185,6 +185,37 @@ def test_an_endpoint_in_use_is_one_sentence(endpoint: str, output: ZenohOutput) 
         ZenohOutput(ZenohSettings(listen=(endpoint,)), "desk", "table")
 
 
+def test_a_router_that_starts_later_and_one_that_ends_are_noticed(
+    endpoint: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Also where its endpoint is a name, which links do not show."""
+    named = endpoint.replace("127.0.0.1", "localhost")
+    settings = ZenohSettings(listen=("tcp/127.0.0.1:0",), connect=(named,))
+    with closing(ZenohOutput(settings, "desk", "table")) as service:
+        assert service.missing == 1
+        config = zenoh.Config()
+        config.insert_json5("mode", json.dumps("router"))
+        config.insert_json5("listen/endpoints", json.dumps([endpoint]))
+        config.insert_json5("scouting/multicast/enabled", "false")
+        router = zenoh.open(config)
+        waited(lambda: service.missing == 0)
+        router.close()
+        waited(lambda: service.missing == 1)
+    said = [each.getMessage() for each in caplog.records if each.name.startswith("halo_service")]
+    assert said == [
+        f"zenoh: no connection to {named}; trying again until it answers",
+        f"zenoh: connected to {named}",
+        f"zenoh: no connection to {named}; trying again until it answers",
+    ]
+
+
+def waited(condition: Callable[[], bool]) -> None:
+    until = time.monotonic() + WAIT_S
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
 def test_two_services_with_one_name_both_notice(endpoint: str) -> None:
     one, two = NameWatch("desk", "s1"), NameWatch("desk", "s2")
     with (

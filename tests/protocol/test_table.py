@@ -30,7 +30,7 @@ RELEASED = {
     "homography": "node session revision width_px height_px projector_from_surface",
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
-    "clock_jumps clock_error_ms profile_fit",
+    "clock_jumps clock_error_ms profile_fit zenoh_missing write_errors memory_mb",
 }
 RELEASED_TAGS = {
     "frame": "ssiiiii",
@@ -41,7 +41,7 @@ RELEASED_TAGS = {
     "scene": "sssffiiifii",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
-    "health": "ssffiiiififi",
+    "health": "ssffiiiififiiii",
 }
 
 rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)

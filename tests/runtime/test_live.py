@@ -361,6 +361,25 @@ def test_a_tracker_is_made_again_when_what_it_is_made_from_changed() -> None:
         tracker.close()
 
 
+def test_a_tracker_that_leaks_is_made_again_and_health_shows_the_memory(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    made: list[Blind] = []
+
+    def make() -> Blind:
+        made.append(Blind())
+        return made[-1]
+
+    used = iter([300, 300, 900, *[310] * 20])
+    monkeypatch.setattr("halo_service.runtime.health.memory_mb", lambda: next(used))
+    monkeypatch.setattr("halo_service.runtime.memory.SETTLE_S", 0.0)
+    monkeypatch.setattr("halo_service.runtime.live.HEALTH_S", 0.0)
+    listener, _ = run([*map(frame, range(10)), None, None], make=make)
+    assert len(made) == 2
+    assert "memory: it grew to 900 MB; the hand model is loaded again" in caplog.text
+    assert [health.memory_mb for health in listener.healths[:4]] == [300, 300, 900, 310]
+
+
 def test_frames_of_one_source_that_all_fail_do_not_harm_the_next_source() -> None:
     script = [*(frame(n) for n in range(3)), SourceLost("camera: it went away")]
     second = Scripted([frame(n) for n in range(10, 13)])

@@ -150,6 +150,10 @@ def _warnings(health: Health, scene: Scene | None) -> list[str]:
     if health.profile_fit in MISFITS:
         reason = MISFITS[ProfileFit(health.profile_fit)]
         lines.append(f"  !! PROFILE DOES NOT FIT: {reason} !!")
+    if health.zenoh_missing > 0:
+        lines.append(f"  !! ZENOH: {health.zenoh_missing} of its routers or peers are away !!")
+    if health.write_errors > 0:
+        lines.append("  !! NOT SAVED: the service could not write its profile; see its log !!")
     return lines
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
-from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.settings import Settings
 
 if TYPE_CHECKING:
+    from halo_service.outputs.zenoh import ZenohOutput
     from halo_service.web.server import WebServer
 
 
@@ -26,7 +26,7 @@ def destinations(settings: Settings) -> list[Destination]:
 
 def zenoh_output(
     settings: Settings, names: NameWatch, surface: str, stack: ExitStack
-) -> list[Carrier]:
+) -> list[ZenohOutput]:
     """Open the Zenoh session; empty where it is off."""
     if not settings.zenoh.enabled:
         return []

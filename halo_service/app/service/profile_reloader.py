@@ -44,6 +44,8 @@ class ProfileReloader:
         """Called by `refresh` when there is another profile."""
         self.error = ""
         """Why the last change to another profile failed; empty: it did not."""
+        self.write_errors = 0
+        """Profiles that could not be saved."""
         self._wanted: Latest[Path] = Latest()
         self._stamp = self._stamp_now()
         self._collected: list[Frame] | None = None
@@ -121,7 +123,11 @@ class ProfileReloader:
 
     def _changed(self, change: Change) -> Profile:
         if self._folder is not None:
-            return amend(self._folder, change)
+            try:
+                return amend(self._folder, change)
+            except (UserError, OSError):
+                self.write_errors += 1
+                raise
         assert self._profile is not None
         return replace(change(self._profile), revision=self._profile.revision + 1)
 

@@ -47,10 +47,13 @@ class Publisher:
         control_port: int = 0,
         names: NameWatch | None = None,
         fit: Callable[[], Fit] = lambda: "unknown",
+        write_errors: Callable[[], int] = lambda: 0,
+        zenoh_missing: Callable[[], int] = lambda: 0,
     ) -> None:
         """`surface`: its name, in every address; `kind`: where the frames come from;
         `control_port`: 0 if there is none; `names`: notices other services of the same name;
-        `fit`: whether the profile fits."""
+        `fit`: whether the profile fits; `write_errors`: profiles that could not be saved;
+        `zenoh_missing`: routers and peers without a connection."""
         self._frames = frames
         self._carriers = carriers
         self._kind = kind
@@ -59,6 +62,8 @@ class Publisher:
         self._control_port = control_port
         self._names = names
         self._fit = fit
+        self._write_errors = write_errors
+        self._zenoh_missing = zenoh_missing
         self._errors = ErrorLog()
 
     def frame(self, frame: TouchFrame) -> None:
@@ -110,6 +115,9 @@ class Publisher:
             jumps,
             error_ms,
             wire.ProfileFit[self._fit().upper()],
+            self._zenoh_missing(),
+            self._write_errors(),
+            current.memory_mb,
         )
         self._send(OutgoingReport(self._surface, health))
 

@@ -23,6 +23,7 @@ from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
+from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import EXAMPLE, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
@@ -68,7 +69,8 @@ def serve(settings: Settings, settings_from: str = "") -> None:
         leases = Leases(node, session, settings.control.networks)
         osc = stack.enter_context(closing(OscOutput(wanted)))
         web = web_server(settings, names, control, stack)
-        carriers = [osc, *zenoh_output(settings, names, surface, stack), *([web] if web else [])]
+        zenoh = zenoh_output(settings, names, surface, stack)
+        carriers: list[Carrier] = [osc, *zenoh, *([web] if web else [])]
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
         frames = FrameEncoder(node, session, first, settings.osc.max_bytes, settings.osc.again_ms)
@@ -86,6 +88,8 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             control.port,
             names,
             lambda: fit.fit,
+            lambda: reloader.write_errors,
+            lambda: sum(each.missing for each in zenoh),
         )
         tracker = _tracker(source, reloader, settings)
         if tracker is not None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -71,17 +72,22 @@ def test_the_picture_says_loudly_what_is_behind_it(source: int, says: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("fps", "fit", "says"),
+    ("changes", "says"),
     [
-        (29.5, 1, ""),
-        (29.5, 0, ""),
-        (12.0, 1, "!! SLOW: the service senses 12 of 30 Hz !!"),
-        (29.5, 3, "!! PROFILE DOES NOT FIT: camera or table was tilted since the calibration !!"),
-        (29.5, 9, ""),
+        ({"profile_fit": 1}, ""),
+        ({"profile_fit": 0, "memory_mb": 412}, ""),
+        ({"fps": 12.0, "profile_fit": 1}, "!! SLOW: the service senses 12 of 30 Hz !!"),
+        (
+            {"profile_fit": 3},
+            "!! PROFILE DOES NOT FIT: camera or table was tilted since the calibration !!",
+        ),
+        ({"profile_fit": 9}, ""),
+        ({"zenoh_missing": 1}, "!! ZENOH: 1 of its routers or peers are away !!"),
+        ({"write_errors": 2}, "!! NOT SAVED: the service could not write its profile; see its log"),
     ],
 )
-def test_the_picture_says_loudly_what_is_wrong(fps: float, fit: int, says: str) -> None:
-    health = Health("desk", "s1", fps, 3.5, 640, 0, 3, 1, 33.0, profile_fit=fit)
+def test_the_picture_says_loudly_what_is_wrong(changes: dict[str, Any], says: str) -> None:
+    health = replace(Health("desk", "s1", 29.5, 3.5, 640, 0, 3, 1, 33.0), **changes)
     text = picture(frame(), scene=scene(0), health=health)
     assert says in text
     assert ("!!" in text) == bool(says)

@@ -9,6 +9,7 @@ import { decode, MAX_EVENTS, ProtocolError } from "./codec.js";
 const MODULUS = 2 ** 24;
 const TIMEOUT_S = 3.0; // Silence after which a service counts as lost.
 const SUPERSEDED_S = 0.5; // The same for a session with pointers, once its node has a newer one.
+const JOIN_MS = 200; // Events so long before our first frame are late copies of what was earlier.
 const MAX_STREAMS = 64;
 const MAX_REMEMBERED = 256; // Fingers that left and may still have repeated events.
 const UNKNOWN_STRIKE = -1;
@@ -160,6 +161,7 @@ class Stream {
     this.firstS = nowS;
     this.receivedS = nowS;
     this.touches = new TouchCounter();
+    this.joinedUs = timeUs(header);
     this.joining = true; // Until a whole frame was reported.
     this.last = null;
     this.pending = null;
@@ -168,6 +170,8 @@ class Stream {
   // The frames that a part completes, or proves incomplete.
   receive(part, nowS) {
     this.receivedS = nowS;
+    const ageMs = (timeUs(part.header) - this.joinedUs) / 1000;
+    part.events = part.events.filter((each) => each.ago_ms <= ageMs + JOIN_MS);
     const number = part.header.frame;
     if (this.last && !isNewer(number, this.last.frame)) return this.lateEvents(part);
     const frames = [];
@@ -222,7 +226,7 @@ class Stream {
     this.joining &&= !complete;
     this.last = {
       kind: "frame",
-      time_us: header.time_s * 1e6 + header.time_frac_us,
+      time_us: timeUs(header),
       surface,
       node: header.node,
       session: header.session,
@@ -236,6 +240,8 @@ class Stream {
     return this.last;
   }
 }
+
+const timeUs = (header) => header.time_s * 1e6 + header.time_frac_us;
 
 const inOrder = (a, b) =>
   a.id - b.id || a.contacts - b.contacts || (a.kind === "up") - (b.kind === "up");

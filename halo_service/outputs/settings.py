@@ -22,9 +22,9 @@ class OscSettings:
     `changes`, `timetags` (on or off), `ttl`, `interface` (for multicast)."""
     max_bytes: Annotated[int, Interval(ge=768, le=65_507)] = MAX_BUNDLE
     """Largest bundle: 1232 passes every VPN, 1432 a wired network without tunnels."""
-    again_ms: Annotated[int, Interval(ge=0, le=2000)] = 0
+    again_ms: Annotated[int, Interval(ge=0, le=2000)] = 400
     """When a touch or release is sent once more after its three frames; 0: never. 400 survives a
-    Wi-Fi that pauses for 0.3 s; a client that joins in that time may then report an old touch."""
+    Wi-Fi that pauses for 0.3 s, 600 one that pauses for 0.5 s."""
 
 
 @dataclass(frozen=True, slots=True)

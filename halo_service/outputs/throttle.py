@@ -2,7 +2,7 @@
 
 Rule: pure; time is the frame's. A frame is sent when it is due, or at once when a touch begins or
 ends in it. Frames are numbered anew, so that a client does not count the others as lost, and each
-event is in three of the frames that are sent.
+event is in three of the frames that are sent, and once more where the service sends a late copy.
 """
 
 from __future__ import annotations
@@ -54,16 +54,21 @@ class Throttle:
         return self._numbered(frame, now_us)
 
     def _collect(self, frame: OutgoingFrame, now_us: int) -> bool:
-        """Remember events that were not in an earlier frame; whether there is any."""
+        """Remember events that were not in an earlier frame; whether there is any.
+
+        A known event that is not pending is a late copy: it goes out with the next frame.
+        """
         new = False
+        pending = {_key(each.message) for each in self._pending}
         events: tuple[wire.Down | wire.Up, ...] = (*frame.downs, *frame.ups)
         for event in events:
-            key = (type(event), event.id, event.contacts)
-            if key in self._known:
+            key = _key(event)
+            if key in pending:
                 continue
-            new = True
+            copies = 1 if key in self._known else COPIES
+            new = new or key not in self._known
             self._known[key] = None
-            self._pending.append(_Event(event, now_us - round(event.ago_ms * 1000)))
+            self._pending.append(_Event(event, now_us - round(event.ago_ms * 1000), copies))
         while len(self._known) > MOST_EVENTS:
             del self._known[next(iter(self._known))]
         return new
@@ -82,3 +87,7 @@ class Throttle:
             downs=tuple(each for each in messages if isinstance(each, wire.Down)),
             ups=tuple(each for each in messages if isinstance(each, wire.Up)),
         )
+
+
+def _key(event: wire.Down | wire.Up) -> tuple[type, int, int]:
+    return type(event), event.id, event.contacts

@@ -13,6 +13,10 @@ from halo_protocol.events import Lost, TouchFrame
 from halo_protocol.parts import Part
 from halo_protocol.touch_counter import TouchCounter
 
+JOIN_MS = 200.0
+"""An event so long before the first frame that a client receives was before it joined: it is a late
+copy. The first three copies come within this time."""
+
 
 class Stream:
     """State of one (node, surface, session)."""
@@ -28,6 +32,7 @@ class Stream:
         self.dropped = 0
         """Parts that were old, duplicate, or contradicted their frame."""
         self._touches = TouchCounter()
+        self._joined_us = part.header.time_us
         self._joining = True
         """True until a whole frame was reported."""
         self._last: TouchFrame | None = None
@@ -41,6 +46,8 @@ class Stream:
     def receive(self, part: Part, now_s: float) -> list[TouchFrame]:
         """The frames that this part completes, or proves incomplete."""
         self.received_s = now_s
+        age_ms = (part.header.time_us - self._joined_us) / 1000.0
+        part.events = [each for each in part.events if each.ago_ms <= age_ms + JOIN_MS]
         if self._last is not None and not is_newer(part.header.frame, self._last.frame):
             return self._late_events(part, self._last)
         frames = []

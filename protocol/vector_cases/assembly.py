@@ -154,6 +154,16 @@ ASSEMBLIES = [
         "A down that is still repeated is a hit.",
         _steps(_frame(1, [_TOUCH], [down(contacts=3)]), _frame(2, [_TOUCH], [down(contacts=3)])),
     ),
+    AssemblyCase(
+        "late-joiner-of-late-copies",
+        "Copies of a touch that was over 200 ms before the client's first frame are not reported; "
+        "those of a later touch are.",
+        _steps(
+            _frame(1, events=[down(7, contacts=3, ago_ms=404.5), up(7, 3, ago_ms=304.5)]),
+            _frame(2, events=[down(8, contacts=1, ago_ms=340.5), up(8, 1, ago_ms=244.5)]),
+            _frame(8, events=[down(9, contacts=1, ago_ms=404.5), up(9, 1, ago_ms=304.5)]),
+        ),
+    ),
     AssemblyCase("split", "Reported when both parts have arrived.", _steps(_SPLIT_1)),
     AssemblyCase("split-backwards", "In any order.", _steps(_SPLIT_1[::-1])),
     AssemblyCase(

@@ -36,9 +36,9 @@ def test_a_recording_that_starts_again_is_not_silent() -> None:
     assert len(sent(10, frames + frames)) == pytest.approx(60, abs=2)
 
 
-def taps(count: int) -> list[OutgoingFrame]:
+def taps(count: int, again_ms: float = 0.0) -> list[OutgoingFrame]:
     """Four seconds with a touch of 100 ms every 400 ms, repeated events included."""
-    encoder = FrameEncoder("desk", "s1", 0)
+    encoder = FrameEncoder("desk", "s1", 0, again_ms=again_ms)
     frames = []
     for n in range(count):
         tap, phase = divmod(n, 12)
@@ -73,3 +73,11 @@ def test_each_event_is_in_three_of_the_sent_frames() -> None:
     frames = sent(5, taps(120))
     copies = [(down.contacts) for each in frames for down in each.downs]
     assert {copies.count(n) for n in range(1, 9)} == {3}
+
+
+@pytest.mark.parametrize("rate_hz", [2, 5, 10, 25, 60])
+def test_a_late_copy_is_sent_once_more_and_not_ahead_of_its_time(rate_hz: float) -> None:
+    without, late = (sent(rate_hz, taps(120, again_ms)) for again_ms in (0.0, 400.0))
+    assert len(late) == len(without)
+    copies = [(down.contacts) for each in late for down in each.downs]
+    assert {copies.count(n) for n in range(1, 9)} == {4}

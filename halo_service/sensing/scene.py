@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from halo_service.profile import Profile, TouchStates
 from halo_service.sensing.background import excess_depth
+from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.label_pixels import (
     Labels,
@@ -36,8 +37,8 @@ from halo_service.sensing.tracks import (
 from halo_service.values import Fingertip, Frame
 
 LEAST_TOP_MM, JOINT_MM = 5.0, 20.0
-"""2 cm behind its end a finger's upper side is higher than this, however hard it presses; what is
-lower is surface."""
+"""2 cm behind its end a finger's upper side is higher than this, or infrared shows it: skin reads
+too far, by more than a flat finger is thick. What is lower and does not show is surface."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,7 +141,12 @@ def _tip(
     )
     there = place.place._replace(tip_px=tip.tip_px)
     behind_mm = height_behind(own, there, JOINT_MM)
-    lies = behind_mm < LEAST_TOP_MM  # false for nan: unmeasured
+    lies = behind_mm < LEAST_TOP_MM and not _in_infrared(own, there)  # false for nan: unmeasured
     # By its two sides, which show in the deepest dent; else by its breadth above the surface.
     shows = math.isfinite(tip.width_mm) or is_finger(own, there)
     return tip if shows and not lies else None
+
+
+def _in_infrared(own: Segmentation, place: FingerFrame) -> bool:
+    """Return whether infrared alone shows a shape as broad as a finger."""
+    return is_finger(replace(own, hand=own.hand & own.solid), place)

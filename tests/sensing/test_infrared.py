@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from halo_service.profile import Background
-from halo_service.sensing import SensingSettings
+from halo_service.sensing import SensingSettings, start, step
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.label_pixels import without_others
 from halo_service.sensing.outline import outline
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
-from halo_service.values import Finger, Side
+from halo_service.values import Finger, Side, Touch
+from tests.drawn import FRAME_US, PLAIN
 
 SHAPE = (576, 640)
 TIP = (320, 300)
@@ -119,3 +122,19 @@ def test_a_window_outside_the_image_stays_empty() -> None:
     empty = np.zeros((0, 5), np.bool_)
     nothing = Segmentation(np.zeros((0, 5), np.float32), empty, empty, empty, empty)
     assert without_others(nothing, detected(18.0)).hand.size == 0
+
+
+def test_a_flat_finger_that_reads_like_the_surface_is_followed_into_its_touch() -> None:
+    """Its skin reads 12 mm too far, all along the finger."""
+    brightness = np.full(PLAIN.shape, 5000.0, np.float32)
+    background = replace(PLAIN.profile.background, infrared=brightness, infrared_noise=NOISE)
+    state = start(replace(PLAIN.profile, background=background), SensingSettings())
+    seen = []
+    for n, (dent_mm, height_mm) in enumerate(((9.0, 10.0), (9.0, 10.0), (12.0, 0.0), (12.0, 0.0))):
+        drawn = PLAIN.frame(dent_mm=dent_mm, height_mm=height_mm, time_us=n * FRAME_US)
+        finger = drawn.depth < PLAIN.distance_mm
+        dark = np.where(finger, 2500, 5000).astype(np.uint16)
+        shown = replace(drawn, depth=drawn.depth + np.uint16(12) * finger, ir=dark)
+        result, state = step(state, shown, PLAIN.hands(time_us=n * FRAME_US))
+        seen.append([(pointer.id, pointer.state) for pointer in result.pointers])
+    assert seen == [[(1, Touch.HOVER)]] * 2 + [[(1, Touch.TOUCH)]] * 2

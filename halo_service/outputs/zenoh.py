@@ -15,6 +15,7 @@ from typing import Any
 import zenoh
 
 import halo_protocol as wire
+from halo_client.interfaces import multicast_interface
 from halo_protocol.names import ZENOH_KINDS
 from halo_service.errors import UserError
 from halo_service.files import from_home
@@ -110,6 +111,7 @@ def _open(settings: ZenohSettings) -> tuple[zenoh.Session, list[str]]:
         _fill(config, "listen/endpoints", settings.listen, LISTEN)
         _fill(config, "connect/endpoints", settings.connect, ())
         _fill(config, "scouting/multicast/enabled", settings.multicast, False)
+        _fill(config, "scouting/multicast/interface", None, multicast_interface())
         # Zenoh's own limit is 10 s for each address of a peer that cannot be reached.
         _fill(config, "transport/unicast/open_timeout", None, 1000)
         # A router that starts later, or again, is found soon.

@@ -9,12 +9,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
 import zenoh
 
 import halo_client
+from halo_client.interfaces import multicast_interface
 
 NAMESPACE = f"halo{os.getpid()}"
 UNREACHABLE = ["10.9.0.2", "10.9.0.3"]
@@ -27,6 +30,31 @@ try:
     zenoh.open(zenoh_config(parse_source({url!r})))
 except zenoh.ZError:
     print(time.monotonic() - began_s)
+"""
+SERVE = """
+import sys, threading
+import halo_protocol as wire
+from halo_service.outputs.outgoing import OutgoingReport
+from halo_service.outputs.settings import ZenohSettings
+from halo_service.outputs.zenoh import ZenohOutput
+output = ZenohOutput(ZenohSettings(**{settings!r}), "desk", "table")
+scene = wire.Scene("desk", "s1", wire.VERSION, 300.0, 200.0, 2, 0, 0, 30.0)
+ended = threading.Event()
+threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
+while not ended.wait(0.05):
+    output.send(OutgoingReport("table", scene))
+output.close()
+"""
+RECEIVE = """
+import time
+import halo_client
+until = time.monotonic() + 20.0
+with halo_client.connect({url!r}, everything=True) as receiver:
+    while time.monotonic() < until:
+        for event in receiver.poll(0.05):
+            print(event.message.node)
+            until = 0.0
+            break
 """
 
 
@@ -58,8 +86,8 @@ def test_a_client_whose_router_never_starts_ends_cleanly(free_tcp_port: int) -> 
 
 
 @pytest.fixture
-def silent_network() -> Iterator[list[str]]:
-    """A network namespace in which packets to `UNREACHABLE` vanish; yields its command prefix."""
+def network() -> Iterator[Callable[..., None]]:
+    """A network namespace with a loopback and nothing else; yields `ip` inside of it."""
     tool = shutil.which("ip")
     if sys.platform != "linux" or tool is None or os.geteuid() != 0:
         pytest.skip("network namespaces need Linux, root and the ip tool")
@@ -71,28 +99,67 @@ def silent_network() -> Iterator[list[str]]:
         ip("netns", "add", NAMESPACE)
     except subprocess.CalledProcessError:
         pytest.skip("this container allows no network namespaces")
-    inside = ("-n", NAMESPACE)
     try:
-        ip(*inside, "link", "add", "near", "type", "veth", "peer", "name", "far")
-        for device in ("near", "far", "lo"):
-            ip(*inside, "link", "set", device, "up")
-        ip(*inside, "addr", "add", "10.9.0.1/24", "dev", "near")
-        for number, address in enumerate(UNREACHABLE, 2):
-            neighbour = (address, "lladdr", f"02:00:00:00:00:0{number}", "dev", "near")
-            ip(*inside, "neigh", "add", *neighbour, "nud", "permanent")
-        yield [tool, "netns", "exec", NAMESPACE]
+        ip("-n", NAMESPACE, "link", "set", "lo", "up")
+        yield partial(ip, "-n", NAMESPACE)
     finally:
         ip("netns", "del", NAMESPACE)
 
 
-def test_an_address_that_cannot_be_reached_costs_a_second_and_not_ten(
-    silent_network: list[str],
-) -> None:
+@pytest.fixture
+def silent_network(network: Callable[..., None]) -> None:
+    """Packets to `UNREACHABLE` vanish."""
+    network("link", "add", "near", "type", "veth", "peer", "name", "far")
+    for device in ("near", "far"):
+        network("link", "set", device, "up")
+    network("addr", "add", "10.9.0.1/24", "dev", "near")
+    for number, address in enumerate(UNREACHABLE, 2):
+        neighbour = (address, "lladdr", f"02:00:00:00:00:0{number}", "dev", "near")
+        network("neigh", "add", *neighbour, "nud", "permanent")
+
+
+def inside(script: str) -> list[str]:
+    """The command that runs a script in the namespace."""
+    return ["ip", "netns", "exec", NAMESPACE, sys.executable, "-c", script]
+
+
+@pytest.mark.usefixtures("silent_network")
+def test_an_address_that_cannot_be_reached_costs_a_second_and_not_ten() -> None:
     endpoints = "&".join(f"connect=tcp/{address}:7447" for address in UNREACHABLE)
     script = OPEN.format(url=f"zenoh://?mode=client&{endpoints}")
-    command = [*silent_network, sys.executable, "-c", script]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
+    done = subprocess.run(inside(script), capture_output=True, text=True, timeout=60.0)
     seconds = float(done.stdout)
     print(f"{len(UNREACHABLE)} silent addresses: {seconds:.1f} s")
     assert seconds < 2.0 * len(UNREACHABLE) + 1.0
     assert zenoh.Config().get_json("transport/unicast/open_timeout") == "10000"
+
+
+@pytest.mark.usefixtures("network")
+@pytest.mark.parametrize(
+    ("service", "client"),
+    [({}, "zenoh://"), ({"listen": ("tcp/127.0.0.1:0",), "multicast": True}, "multicast=on")],
+)
+def test_with_no_interface_but_the_loopback_service_and_client_find_each_other(
+    service: dict[str, object], client: str
+) -> None:
+    """By the default endpoints, and by multicast, which Zenoh alone would not send there."""
+    url = client if "://" in client else f"zenoh://?{client}"
+    server = subprocess.Popen(inside(SERVE.format(settings=service)), stdin=subprocess.PIPE)
+    try:
+        command = inside(RECEIVE.format(url=url))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
+    finally:
+        server.communicate(timeout=20.0)  # the end of its input ends it
+    assert done.stdout == "desk\n", done.stderr
+
+
+def test_other_interfaces_are_preferred_and_other_systems_choose_themselves(
+    tmp_path: Path,
+) -> None:
+    assert multicast_interface(tmp_path) == "auto"
+    for name, flags in {"lo": "0x9", "sit0": "0x80"}.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "flags").write_text(flags)
+    assert multicast_interface(tmp_path) == "lo"
+    (tmp_path / "sit0" / "flags").write_text("0x1003")
+    assert multicast_interface(tmp_path) == "auto"

@@ -15,6 +15,7 @@ from typing import Any, Self
 import zenoh
 
 from halo_client.errors import ClientError
+from halo_client.interfaces import multicast_interface
 from halo_client.ring import Ring
 from halo_client.source import ZenohSource
 from halo_protocol import ANY, zenoh_key
@@ -99,6 +100,7 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
         "connect/endpoints": list(source.connect),
         "listen/endpoints": list(source.listen),
         "scouting/multicast/enabled": source.multicast,
+        "scouting/multicast/interface": multicast_interface(),
         # With gossip on, peers would connect us to peers that the user did not name.
         "scouting/gossip/enabled": source.multicast,
         # A service that starts later, or again, is found within a second.

@@ -43,8 +43,11 @@ class Display:
         )
         self._process.start()
         far_end.close()
-        self.size_px: tuple[int, int] = self._opened()
+        self.size_px: tuple[int, int]
         """Width and height of the picture."""
+        self.desktops_px: list[tuple[int, int]]
+        """The same of all displays, as programs see them."""
+        self.size_px, self.desktops_px = self._opened()
         self.open = True
         """False after the user closed it with Escape, Q or its button."""
 
@@ -76,7 +79,7 @@ class Display:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _opened(self) -> tuple[int, int]:
+    def _opened(self) -> tuple[tuple[int, int], list[tuple[int, int]]]:
         answer: object = "no window in time; close other programs and try again"
         try:
             if self._pipe.poll(START_S):
@@ -107,7 +110,7 @@ def _run(pipe: Connection, number: int, full_screen: bool) -> None:
         return
     # We measure pixels; a window that can be resized would scale them.
     width, height = stage.screen.get_size()
-    pipe.send((width, height))
+    pipe.send(((width, height), pygame.display.get_desktop_sizes()))
     with stage:
         while stage.open:
             try:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halo_calibration.guided.projector import Screen
 from halo_service.app.projector.display import Display
+from halo_service.app.projector.scaling import doubt_about
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.files import appearing
@@ -97,16 +98,26 @@ def screen_for(source: Source, request: ScreenRequest) -> AbstractContextManager
     if isinstance(source, VirtualUser):
         return nullcontext(_Virtual(source))
     display = Display(request.display, full_screen=not request.window)
-    if request.size_px not in (None, display.size_px):
+    doubt = _doubt(display, request)
+    if doubt:
         display.close()
-        raise UserError(_scaled(request.display, display.size_px, request.size_px))
+        raise UserError(f"display {request.display}: {doubt}")
     return display
 
 
-def _scaled(number: int, size_px: tuple[int, int], stated_px: tuple[int, int]) -> str:
+def _doubt(display: Display, request: ScreenRequest) -> str:
+    """Return why the picture's pixels may not be the projector's; empty if they are."""
+    if request.window:
+        return ""  # to try it, without a projector
+    if request.size_px is None:
+        return doubt_about(display.size_px, display.desktops_px)
+    return "" if request.size_px == display.size_px else _scaled(display.size_px, request.size_px)
+
+
+def _scaled(size_px: tuple[int, int], stated_px: tuple[int, int]) -> str:
     shown, stated = ("{} x {}".format(*each) for each in (size_px, stated_px))
     return (
-        f"display {number} has {shown} pixels for programs and the projector {stated}: its desktop "
+        f"programs see {shown} pixels there, and the projector has {stated}: its desktop "
         f"is scaled, and other programs would draw beside your fingers; set the scale of that "
         f"display to 100 % and its resolution to {stated}"
     )

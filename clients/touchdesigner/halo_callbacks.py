@@ -26,6 +26,8 @@ MODULUS = 2**24
 STALE_S = 1.0
 """After so long without an accepted frame, any frame number is accepted."""
 LOST_S = 3.0
+JOIN_MS = 200
+"""Events so long before our first frame are late copies of what was earlier."""
 UNKNOWN_STRIKE = -1.0
 MAX_REMEMBERED = 256
 """Fingers that left and may still have repeated events."""
@@ -105,8 +107,8 @@ class Fingers:
         self._restart()
 
     def _restart(self):
-        self.frame = self.scene = self.pins = None
-        self.received_s = 0.0
+        self.frame = self.scene = self.pins = self.joined_ms = None
+        self.received_s = self.age_ms = 0.0
         self.accepting, self.joining = False, True
         self.count, self.pointers, self.arrived = 0, {}, {}
         self.touches = TouchCounter()
@@ -158,15 +160,15 @@ class Fingers:
             self.arrived[pointer["id"]] = pointer
         elif kind == "alive":
             return self._alive(arguments)
-        elif kind == "down":
+        elif kind == "down" and arguments[5] <= self.age_ms + JOIN_MS:
             return self.touches.down(Touch("down", *arguments[:5], arguments[6]))
-        elif kind == "up":
+        elif kind == "up" and arguments[4] <= self.age_ms + JOIN_MS:
             up = Touch("up", *arguments[:4], UNKNOWN_STRIKE, arguments[5])
             return self.touches.up(up, self.joining)
         return []
 
     def _header(self, surface, arguments, now_s):
-        node, session, number, _, _, count = arguments[:6]
+        node, session, number, time_s, time_frac_us, count = arguments[:6]
         if not (re.fullmatch(NAME, node) and re.fullmatch(SESSION, session)):
             raise ValueError("invalid name")
         ended = self.expire(now_s)
@@ -188,6 +190,9 @@ class Fingers:
                 self.arrived = {}
             self.accepting, self.received_s = True, now_s
             self.frame, self.count = number, count
+            time_ms = time_s * 1000 + time_frac_us / 1000
+            self.joined_ms = time_ms if self.joined_ms is None else self.joined_ms
+            self.age_ms = time_ms - self.joined_ms
         return ended
 
     def _alive(self, ids):

@@ -146,6 +146,7 @@ def make_parser() -> Parser:
             name,
             description=f"{summary[0].upper()}{summary[1:]}.",
             epilog=f"example:\n  {command.EXAMPLE}",
+            add_help=command is not demo,  # its help is also that of a client
         )
         verb.set_defaults(run=command.run)
         command.add_arguments(verb)

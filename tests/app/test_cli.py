@@ -154,6 +154,21 @@ def test_a_demo_forwards_the_options_that_it_does_not_know() -> None:
     assert options.rest == ["--mute", "--rate", "3"]
 
 
+@pytest.mark.parametrize(
+    ("client", "option"), [("drums", "--left-handed"), ("paint", "--brush"), (None, None)]
+)
+def test_the_help_of_a_demo_has_the_options_of_its_client(
+    client: str | None, option: str | None, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["demo", *([client] if client else []), "--help"])
+    assert left.value.code == 0
+    text = capfd.readouterr().out
+    assert "--source SIM" in text
+    assert option is None or option in text
+    assert ("options of the client" in text) == (client is not None)
+
+
 HEAVY = ("numpy", "cv2", "mediapipe", "zenoh", "sklearn", "scipy", "av", "rich", "pydantic")
 IMPORTS = """
 import sys

@@ -28,6 +28,10 @@ PATIENCE_S = 10.0
 """Time to end by itself; after that a program is killed."""
 
 
+HELP = "from {package}.command import main; raise SystemExit(main(['--help']))"
+"""Prints a client's help, or which library it misses."""
+
+
 @dataclass(frozen=True, slots=True)
 class Demo:
     """A client and the scenario that it gets."""
@@ -49,12 +53,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command; the client gets every other option."""
     parser.set_defaults(forwards_options=True)
     parser.add_argument(
+        "-h", "--help", action=_Help, help="show this help and the client's options"
+    )
+    parser.add_argument(
         "client",
         choices=tuple(DEMOS),
         metavar="CLIENT",
-        help="drums or paint; it gets all other options (see halo-drums --help, halo-paint --help)",
+        help="drums or paint; it gets all other options; 'halo demo drums --help' shows them",
     )
     parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo,seed=3")
+
+
+class _Help(argparse.Action):
+    """Prints the help, and that of the client if one is named before."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str) -> None:  # noqa: A002
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=help)
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        parser.print_help()
+        chosen = DEMOS.get(getattr(namespace, "client", None) or "")
+        if chosen is not None:
+            print(f"\noptions of the client, which 'halo demo {namespace.client}' passes on:\n")
+            sys.stdout.flush()
+            script = HELP.format(package=chosen.module.partition(".")[0])
+            subprocess.run([sys.executable, "-c", script], check=False)
+        parser.exit()
 
 
 def run(options: argparse.Namespace) -> int:

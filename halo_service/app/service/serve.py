@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.process import stop_on_signals
+from halo_service.app.progress import progress
 from halo_service.app.service.carriers import destinations, web_server, zenoh_output
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.fit_watcher import FitWatcher
@@ -148,10 +149,11 @@ def profile_for(source: Source, saved: Profile | None, settings: Settings) -> Pr
 
 def _measured(room: Room, settings: Settings) -> Profile:
     """Calibrate on the virtual table."""
-    from halo_service.app.virtual_user.profile import virtual_profile
+    from halo_service.app.virtual_user.profile import FRAMES, virtual_profile
 
     log.info("profile: measuring the virtual table; this takes 5 to 20 s, once for each room")
-    return virtual_profile(room, settings)
+    with progress("measuring the virtual table", FRAMES) as bar:
+        return virtual_profile(room, settings, bar.advance)
 
 
 def _node(name: str) -> str:

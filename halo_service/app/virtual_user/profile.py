@@ -7,13 +7,14 @@ not used. Only a live virtual source gets such a profile; a recording does not.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 
 from halo_calibration import steps
 from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import PROMPTS
-from halo_calibration.observe import Observation, Observer
+from halo_calibration.observe import Observer
 from halo_calibration.solvers.touch import STATES, HoldObservations
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
@@ -22,6 +23,7 @@ from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.settings import Settings
+from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 
 BACKGROUND_S = 2.0
@@ -29,14 +31,19 @@ SETTLE_S = 1.5
 """Time for the virtual user to reach a state."""
 HELD_S = 0.5
 """A quarter of the time for a person: the virtual finger does not move."""
+FRAMES = round((BACKGROUND_S + len(STATES) * HELD_S) * FPS)
+"""Frames that are drawn and measured."""
 DATE = "1970-01-01T00:00:00Z"
 """It is measured at every start, so it has no date."""
 
 
-def virtual_profile(room: Room, settings: Settings) -> Profile:
+def virtual_profile(
+    room: Room, settings: Settings, advance: Callable[[], None] = lambda: None
+) -> Profile:
     """Calibrate on the virtual table; without a sweep, because its fit takes seconds at the start.
 
-    Raises `UserError` if the states cannot be separated.
+    `advance` is called for each of `FRAMES` frames. Raises `UserError` if the states cannot be
+    separated.
     """
     user = VirtualUser(room)
     session = Session(user)
@@ -45,10 +52,13 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
         with ExitStack() as stack:
             detector = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
             stack.callback(detector.close)
-            empty = list(session.lasting(BACKGROUND_S, "background"))
+            empty = []
+            for frame in session.lasting(BACKGROUND_S, "background"):
+                empty.append(frame)
+                advance()
             profile = steps.background_change(setup, empty, detector.detect)(None)
             observer = Observer(profile, detector.detect, settings.sensing)
-            holds = {state: _held(state, user, session, observer) for state in STATES}
+            holds = {state: _held(state, user, session, observer, advance) for state in STATES}
             return steps.touch_change(setup, holds)(profile)
     except CalibrationError as refused:
         raise UserError(
@@ -57,12 +67,15 @@ def virtual_profile(room: Room, settings: Settings) -> Profile:
         ) from refused
 
 
-def _held(state: str, user: VirtualUser, session: Session, observer: Observer) -> HoldObservations:
+def _held(
+    state: str,
+    user: VirtualUser,
+    session: Session,
+    observer: Observer,
+    advance: Callable[[], None],
+) -> HoldObservations:
     user.follow(PROMPTS[state])
     user.skip(SETTLE_S)
     frames = session.lasting(HELD_S, state)
-    return steps.watch_hold(state, frames, session.frame_count(HELD_S), observer, _no_progress)
-
-
-def _no_progress(seen: Observation | None) -> None:
-    """Do nothing: nothing is displayed."""
+    count = session.frame_count(HELD_S)
+    return steps.watch_hold(state, frames, count, observer, lambda _: advance())

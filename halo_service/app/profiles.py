@@ -47,10 +47,9 @@ def print_profile(name: str) -> None:
     folder = profile_path(name)
     profile = load(folder)
     title = f"{profile.name}: {profile.calibrated}, revision {profile.revision}, {folder}"
-    facts = tuple(_facts(profile))
-    results = (*_steps(profile), *_states(profile), *_correction(profile))
-    lines = [*(f"{key} {value}" for key, value in facts), *(f"{a}: {b}" for a, b in results)]
-    print_tables(Table(title, ("", ""), (*facts, *results)), plain="\n".join([title, *lines]))
+    first, then = tuple(facts(profile)), tuple(results(profile))
+    lines = [*(f"{key} {value}" for key, value in first), *(f"{a}: {b}" for a, b in then)]
+    print_tables(Table(title, ("", ""), (*first, *then)), plain="\n".join([title, *lines]))
 
 
 def copy(name: str, to: str) -> Path:
@@ -94,7 +93,7 @@ def import_profile(path: Path, name: str | None) -> Path:
     """Read a profile from a file; raises `UserError` if its name exists."""
     profile = unpack(path)
     if name is None:
-        _check_name(profile.name)  # the file is not ours: the name may be ../../anywhere
+        check_name(profile.name)  # the file is not ours: the name may be ../../anywhere
     folder = _new_folder(name or profile.name)
     save(_renamed(profile, folder), folder)
     return folder
@@ -103,13 +102,14 @@ def import_profile(path: Path, name: str | None) -> Path:
 def _new_folder(name: str) -> Path:
     folder = profile_path(name)
     if option_for(folder) == folder.name:
-        _check_name(name)
+        check_name(name)
     if exists(folder):
         raise UserError(f"profile: {folder} exists already; choose another name")
     return folder
 
 
-def _check_name(name: str) -> None:
+def check_name(name: str) -> None:
+    """Raise `UserError` for a name that is not one of a profile in the data folder."""
     if not NAME.fullmatch(name):
         raise UserError(f"profile: '{name[:60]}' is not a valid name; use letters, digits, - and _")
 
@@ -126,7 +126,8 @@ def _row(folder: Path) -> tuple[str, str, str]:
     return profile.name, profile.calibrated, profile.camera.serial
 
 
-def _facts(profile: Profile) -> Rows:
+def facts(profile: Profile) -> Rows:
+    """Yield what a profile belongs to."""
     camera, surface = profile.camera, profile.surface
     yield "camera", f"{camera.serial}, {camera.depth_mode}"
     yield "surface", f"{surface.name}, {surface.width_mm:g} x {surface.height_mm:g} mm"
@@ -136,6 +137,13 @@ def _facts(profile: Profile) -> Rows:
     if profile.anchor is not None:
         anchor = profile.anchor
         yield "anchor", f"{anchor.family} {anchor.marker}, {anchor.size_mm:g} mm"
+
+
+def results(profile: Profile) -> Rows:
+    """Yield how its steps went and what they measured."""
+    yield from _steps(profile)
+    yield from _states(profile)
+    yield from _correction(profile)
 
 
 def _steps(profile: Profile) -> Rows:

@@ -16,13 +16,29 @@ class OscOutput:
         """No host needs to exist: names are looked up while the service runs."""
         self._channels: dict[Stream, _Channel] = {}
         self._leased: dict[Destination, UdpSender] = {}
-        self._senders = [self._add(each) for each in destinations]
+        self._senders: list[UdpSender] = []
         self._resolver = NameResolver(self._senders)
+        self.set_fixed(destinations)
 
     def send(self, outgoing: Outgoing) -> None:
         """Send to all destinations that receive this surface."""
         for channel in self._channels.values():
             channel.send(outgoing)
+
+    @property
+    def senders(self) -> list[UdpSender]:
+        """All that sends now, for counts; from any thread."""
+        return [*self._senders, *self._leased.values()]
+
+    def set_fixed(self, destinations: list[Destination]) -> None:
+        """Send to these from now on, besides those that come and go."""
+        for gone in [each for each in self._senders if each.destination not in destinations]:
+            self._senders.remove(gone)
+            self._remove(gone)
+        known = [each.destination for each in self._senders]
+        self._senders += [self._add(each) for each in destinations if each not in known]
+        self._resolver.close()
+        self._resolver = NameResolver(self._senders)
 
     def set_leased(self, destinations: list[Destination]) -> None:
         """Set the destinations that come and go; their hosts are addresses, not names."""

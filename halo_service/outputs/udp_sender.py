@@ -36,6 +36,8 @@ class UdpSender:
         """Known addresses, set by the resolver; empty: unknown."""
         self.failed = False
         """Set when sending fails, so that the resolver looks again."""
+        self.datagrams = self.bytes = 0
+        """Sent so far; a receiver may have got fewer."""
         self._using: tuple[Address, ...] = ()
         self._index = 0
         self._socket: socket.socket | None = None
@@ -48,7 +50,9 @@ class UdpSender:
             self._using, self._index = self.addresses, 0
         for datagram in datagrams:
             try:
-                self._send(datagram)
+                if self._send(datagram):
+                    self.datagrams += 1
+                    self.bytes += len(datagram)
             except BlockingIOError:
                 return
             except OSError as error:
@@ -59,11 +63,12 @@ class UdpSender:
         """Close the socket."""
         self._close()
 
-    def _send(self, datagram: bytes) -> None:
+    def _send(self, datagram: bytes) -> bool:
+        """Send; False where there is no address yet."""
         if self._socket is None and self._using:
             self._socket = _opened(self.destination, self._using[self._index % len(self._using)])
         if self._socket is None:
-            return
+            return False
         try:
             self._socket.send(datagram)
         except ConnectionRefusedError:
@@ -75,6 +80,7 @@ class UdpSender:
                     self.destination, self._using[self._index % len(self._using)]
                 )
             self._socket.send(datagram)
+        return True
 
     def _fail(self, error: OSError) -> None:
         self._close()

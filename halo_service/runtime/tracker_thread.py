@@ -101,7 +101,7 @@ class TrackerThread:
         self._worker = self._started()
 
     def _run(self, worker: _Worker) -> None:
-        _yield_the_core()
+        yield_the_core()
         errors = ErrorLog()
         worked = False
         while not worker.ended.is_set():
@@ -153,7 +153,7 @@ class _Worker:
         self.thread = threading.Thread(target=run, args=(self,), name="hand tracker", daemon=True)
 
 
-def _yield_the_core() -> None:
+def yield_the_core() -> None:
     """Keep this thread, and those that it starts, from pushing another one off a core.
 
     Only Linux can: a batch thread gets its full share, but when it wakes it waits until a core is

@@ -41,11 +41,16 @@ def load(path: Path | None) -> Settings:
     errors = list(_control_characters(data))
     if not errors:
         try:
-            # JSON, because there strict mode accepts a list as tuple and a table as dataclass.
-            return ADAPTER.validate_json(json.dumps(data, default=lambda date: [str(date)]))
+            return validated(data)
         except ValidationError as error:
             errors = sentences(error, Settings)
     raise UserError("\n".join(f"{path}: {each}" for each in errors))
+
+
+def validated(data: dict[str, Any]) -> Settings:
+    """Return the settings in the tables of a file. Raises `ValidationError`."""
+    # JSON, because there strict mode accepts a list as tuple and a table as dataclass.
+    return ADAPTER.validate_json(json.dumps(data, default=lambda date: [str(date)]))
 
 
 def _parsed(path: Path) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from pydantic import ConfigDict, Field
 
 from halo_service.outputs.settings import ControlSettings, OscSettings, TuioSettings, ZenohSettings
 from halo_service.sensing.settings import SensingSettings
-from halo_service.web.settings import WebSettings
+from halo_service.web.settings import PageSettings, WebSettings
 
 
 def default_node() -> str:
@@ -67,6 +67,7 @@ class Settings:
     tuio: TuioSettings = field(default_factory=TuioSettings)
     zenoh: ZenohSettings = field(default_factory=ZenohSettings)
     web: WebSettings = field(default_factory=WebSettings)
+    page: PageSettings = field(default_factory=PageSettings)
     control: ControlSettings = field(default_factory=ControlSettings)
     sensing: SensingSettings = field(default_factory=SensingSettings)
     tracking: TrackingSettings = field(default_factory=TrackingSettings)

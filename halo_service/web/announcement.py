@@ -12,11 +12,11 @@ import time
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import ifaddr
 from zeroconf import Error as ZeroconfError
 from zeroconf import InterfaceChoice, IPVersion, ServiceInfo, Zeroconf
 
 from halo_service.outputs.name_watch import NameWatch
+from halo_service.web.addresses import own_addresses
 from halo_service.web.name_search import NameSearch
 
 log = logging.getLogger(__name__)
@@ -121,5 +121,4 @@ def _addresses(host: str) -> list[str]:
         return []
     if not address.is_unspecified:
         return [host]
-    ours = {str(ip.ip) for adapter in ifaddr.get_adapters() for ip in adapter.ips if ip.is_IPv4}
-    return sorted(each for each in ours if not ipaddress.ip_address(each).is_loopback)
+    return sorted(own_addresses())

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 import logging
-import socket
 import threading
 from collections.abc import Callable, Iterable
 
@@ -13,11 +11,11 @@ from aiohttp import WSMsgType, web
 
 import halo_protocol as wire
 from halo_protocol.handshake import HELLO
-from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.web.access import Access
 from halo_service.web.http_log import http_log
+from halo_service.web.listener import ConnectionLimit, bracketed, listening
 from halo_service.web.oscquery import ATTRIBUTES, Node, find, host_info, stream_nodes, tree
 from halo_service.web.requests import answer_hello, read_binary, read_text
 from halo_service.web.settings import WebSettings
@@ -27,8 +25,6 @@ log = logging.getLogger(__name__)
 
 PATH = "/halo"
 MAX_CLIENTS = 64
-MAX_CONNECTIONS = 256
-"""Open connections of any kind; more could use up the service's file descriptors."""
 LARGEST = 4096
 """Bytes of a message from a client."""
 HEARTBEAT_S = 10.0
@@ -40,22 +36,6 @@ LOCAL = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Host that means all addresses -> the address of this machine."""
 RETAINED = ("scene", "homography", "pose")
 """Sent at once to a client that joins."""
-
-
-class ConnectionLimit(asyncio.Protocol):
-    """A new connection: passed to the server, or closed if there are too many."""
-
-    def __init__(self, server: web.Server) -> None:
-        self._server = server
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Pass it on or close it."""
-        if len(self._server.connections) >= MAX_CONNECTIONS:
-            transport.close()
-            return
-        handler = self._server()
-        transport.set_protocol(handler)
-        handler.connection_made(transport)
 
 
 def _no_control(message: ControlMessage) -> None:
@@ -85,9 +65,9 @@ class WebServer:
         self.nodes: Callable[[], Iterable[Node]] = tuple
         """What clients can send, for OSCQuery; called in the server's thread."""
         self._access = Access(frozenset(settings.hosts), frozenset(settings.origins))
-        self._listener = _listening(settings)
+        self._listener = listening("web", settings.host, settings.port)
         here = LOCAL.get(settings.host, settings.host)
-        self.url = f"ws://{_bracketed(here)}:{self.port}{PATH}"
+        self.url = f"ws://{bracketed(here)}:{self.port}{PATH}"
         """Where programs of this machine connect."""
         self._clients: set[Subscriber] = set()
         self._latest: dict[tuple[str, str], Outgoing] = {}
@@ -100,6 +80,11 @@ class WebServer:
     def port(self) -> int:
         """The TCP port that it uses."""
         return int(self._listener.getsockname()[1])
+
+    @property
+    def client_count(self) -> int:
+        """Clients that receive the stream now; from any thread."""
+        return len(self._clients)
 
     def send(self, outgoing: Outgoing) -> None:
         """Hand a frame or report to the server's thread."""
@@ -238,33 +223,7 @@ class WebServer:
             await client.close()
 
 
-def _listening(settings: WebSettings) -> socket.socket:
-    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    try:
-        try:
-            return socket.create_server((settings.host, settings.port), family=family)
-        except OSError as error:
-            if error.errno not in (errno.EADDRINUSE, errno.EACCES):
-                raise
-            listener = socket.create_server((settings.host, 0), family=family)
-    except OSError as error:
-        raise UserError(
-            f"web: port {settings.port} on {settings.host} cannot be opened ({error.strerror}); "
-            f"set [web] host to an address of this machine, such as 127.0.0.1, or use --no-web"
-        ) from error
-    log.warning(
-        "web: port %d is in use, so this service uses %d",
-        settings.port,
-        listener.getsockname()[1],
-    )
-    return listener
-
-
 def _can_speak(offers: Iterable[str]) -> bool:
     """Whether a client offers one of our subprotocols, or none at all."""
     offered = {each.strip() for offer in offers for each in offer.split(",")}
     return not offered or not offered.isdisjoint((JSON, OSC))
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host

@@ -24,8 +24,9 @@ import halo_protocol as wire
 from halo_service.errors import UserError
 from halo_service.outputs.control import ControlMessage
 from halo_service.outputs.outgoing import OutgoingReport
+from halo_service.web.listener import MAX_CONNECTIONS
 from halo_service.web.oscquery import Node
-from halo_service.web.server import LARGEST, MAX_CLIENTS, MAX_CONNECTIONS, WebServer
+from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, QUEUE
 from tests.outputs.samples import TOUCHING, fingers, frame

@@ -47,6 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--no-zenoh", action="store_true", help="open no Zenoh session")
     parser.add_argument("--no-web", action="store_true", help="open no WebSocket server")
+    parser.add_argument("--no-page", action="store_true", help="serve no control page")
+    parser.add_argument("--open", action="store_true", help="open the control page in a browser")
     parser.add_argument(
         "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 4257)"
     )
@@ -74,7 +76,9 @@ def run(options: argparse.Namespace) -> int:
         connect=tuple(options.zenoh_connect or settings.zenoh.connect),
     )
     web = replace(settings.web, enabled=settings.web.enabled and not options.no_web)
+    page = replace(settings.page, enabled=settings.page.enabled and not options.no_page)
     port = settings.control.port if options.control_port is None else options.control_port
+    from halo_service.app.page.parts import PageRequest
     from halo_service.app.service.serve import serve  # heavy: settings are checked before
 
     serve(
@@ -86,8 +90,10 @@ def run(options: argparse.Namespace) -> int:
             tuio=tuio,
             zenoh=zenoh,
             web=web,
+            page=page,
             control=replace(settings.control, port=port),
         ),
         found_at(options.config),
+        PageRequest(options.config, options.open),
     )
     return 0

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import halo_protocol as wire
 from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.page.parts import PageRequest, Parts
 from halo_service.app.process import stop_on_signals
 from halo_service.app.progress import progress
 from halo_service.app.service.carriers import destinations, web_server, zenoh_output
@@ -42,6 +43,7 @@ from halo_service.sources import Source
 from halo_service.values import Frame
 
 if TYPE_CHECKING:
+    from halo_service.app.page.page import ControlPage
     from halo_service.virtual.room import Room
     from halo_service.web.announcement import Announcement
     from halo_service.web.server import WebServer
@@ -49,10 +51,13 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def serve(settings: Settings, settings_from: str = "") -> None:
+def serve(
+    settings: Settings, settings_from: str = "", page_request: PageRequest | None = None
+) -> None:
     """Run the service until Ctrl-C, SIGTERM or the end of a recording.
 
-    `settings_from`: which file the settings are from, for the log.
+    `settings_from`: which file the settings are from, for the log; `page_request`: what the
+    command line says of the control page.
     """
     node = _node(settings.node)
     wanted = destinations(settings)  # a wrong one ends the command before anything is opened
@@ -97,14 +102,19 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             stack.callback(tracker.close)
             reloader.on_change = tracker.reload
         paused = threading.Event()
+        parts = Parts(settings, source, osc, web, reloader, lambda: fit.fit)
+        page = _page(parts, page_request or PageRequest(), publisher, stack)
 
         def control_and_report(state: State, source: Source | None) -> State:
             systemd.alive()
-            return handler.handle(state, source)
+            state = handler.handle(state, source)
+            return page.observer.turn(state) if page else state
 
         def watch(frame: Frame) -> None:
             reloader.watch(frame)
             fit.watch(frame)
+            if page is not None:
+                page.observer.watch(frame)
 
         handler = ControlHandler(control, reloader, leases, osc, paused)
         loop = LiveLoop(
@@ -112,7 +122,7 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             partial(_reopen_same, reopen, source.camera),
             tracker,
             start(profile, settings.sensing),
-            publisher,
+            page.observer if page else publisher,
             control_and_report,
             watch,
             paused=paused,
@@ -124,6 +134,8 @@ def serve(settings: Settings, settings_from: str = "") -> None:
             stack.callback(_announce(settings, names, web, control, **facts).close)
         stop_on_signals(loop.stop)
         log.info("settings: %s", settings_from)
+        if page is not None:
+            page.announce(page_request is not None and page_request.opens)
         _log_start(settings, source, profile, node, control.port, web.url if web else "")
         systemd.ready()
         loop.run()
@@ -178,6 +190,19 @@ def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:
         source.close()
         raise UserError(f"camera {source.camera.serial} is not the lost camera {camera.serial}")
     return source
+
+
+def _page(
+    parts: Parts, request: PageRequest, publisher: Publisher, stack: ExitStack
+) -> ControlPage | None:
+    """Open the control page; None where it is off."""
+    if not parts.settings.page.enabled:
+        return None
+    from halo_service.app.page.page import ControlPage
+
+    page = ControlPage(parts, request, publisher)
+    stack.callback(page.close)
+    return page
 
 
 def _announce(

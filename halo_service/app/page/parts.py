@@ -1,0 +1,38 @@
+"""What the page is made from; light, so that a service without a page loads nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from halo_service.outputs.osc import OscOutput
+from halo_service.settings import Settings
+from halo_service.sources import Source
+
+if TYPE_CHECKING:
+    from halo_service.app.service.profile_reloader import ProfileReloader
+    from halo_service.web.server import WebServer
+
+
+@dataclass(frozen=True, slots=True)
+class PageRequest:
+    """What the command line says of the page."""
+
+    config: Path | None = None
+    """The settings file that the page changes."""
+    opens: bool = False
+    """Open it in this machine's browser."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """The parts of the service that the page works with."""
+
+    settings: Settings
+    source: Source
+    osc: OscOutput
+    web: WebServer | None
+    reloader: ProfileReloader
+    fit: Callable[[], str]

@@ -1,0 +1,62 @@
+// Who is sent what, and a test pattern for each.
+
+import { button, card, el, table, toast } from "../dom.js";
+
+const EVERY_MS = 1000;
+
+export function mount(root, service) {
+  const sent = el("div");
+  const pattern = el("div");
+  const to = el("input", { type: "text", id: "pattern-to", placeholder: "192.168.1.20:4256/flat", size: 26, maxLength: 200 });
+  let before = new Map();
+  let shownPattern = "";
+  const load = async () => {
+    const read = await service.call("outputs");
+    const now = performance.now();
+    const rows = read.osc.map(({ to, rate_hz, reached, datagrams, bytes }) => {
+      const last = before.get(to);
+      const seconds = last ? (now - last.now) / 1000 : 1;
+      const rate = last ? `${Math.round((datagrams - last.datagrams) / seconds)}` : "-";
+      const kilo = last ? `${((bytes - last.bytes) / seconds / 1000).toFixed(1)}` : "-";
+      return [to, rate_hz ? `${rate_hz} Hz` : "all frames", reached ? "✓" : "✕ no address", rate, kilo];
+    });
+    before = new Map(read.osc.map(({ to, datagrams, bytes }) => [to, { datagrams, bytes, now }]));
+    sent.replaceChildren(
+      card("OSC and TUIO by UDP", rows.length ? table(["receiver and format", "rate limit", "found", "datagrams / s", "kB / s"], rows, [3, 4]) : el("p", {}, "Nothing is sent by UDP."),
+        el("p", { className: "small" }, "Change the receivers in ", el("a", { href: "#settings" }, "Settings"), ". UDP confirms nothing: whether a program receives it shows only there.")),
+      card("WebSocket", el("p", {}, read.websocket.url ? [el("code", {}, read.websocket.url), ` ${read.websocket.clients} clients`] : "off")),
+      card("Zenoh", el("p", {}, read.zenoh.length ? read.zenoh.map((each) => el("code", {}, each)) : "off")),
+    );
+    const state = JSON.stringify([read.pattern, read.patterns]);
+    if (state !== shownPattern) {
+      shownPattern = state;
+      showPattern(read);
+    }
+  };
+  const act = (name, body) => async () => {
+    await service.call(name, body);
+    await load();
+  };
+  const showPattern = (read) => {
+    const rows = read.patterns.map((each) => el("div", { className: "row" }, el("code", {}, each), button("Stop", act("stop-pattern", { to: each }))));
+    pattern.replaceChildren(
+      el("div", { className: "row" }, read.pattern
+        ? [el("strong", {}, "The pattern is sent on all outputs instead of touches."), button("Stop", act("stop-pattern", { to: "" }), { className: "main" })]
+        : button("Send on all outputs", act("start-pattern", { to: "" }), { className: "main" })),
+      ...rows,
+    );
+  };
+  root.append(
+    el("h1", {}, "Outputs"),
+    card(
+      "Test pattern",
+      el("p", {}, "A pointer draws a circle in four seconds: it touches for three and hovers for one. Your program should show it."),
+      service.operator ? pattern : el("p", { className: "soft" }, "Only the operator's page can send it."),
+      service.operator ? el("div", { className: "row" }, el("label", { htmlFor: "pattern-to" }, "To one program:"), to, button("Send", async () => act("start-pattern", { to: to.value.trim() || to.placeholder })())) : "",
+    ),
+    sent,
+  );
+  load().catch((error) => toast(error.message));
+  const timer = setInterval(() => load().catch(() => {}), EVERY_MS);
+  return () => clearInterval(timer);
+}

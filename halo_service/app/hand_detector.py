@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeGuard
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
 from halo_service.hand_tracking.region_tracker import RegionTracker
 from halo_service.profile import Profile
+from halo_service.runtime.pace import paced_by_depth
 from halo_service.settings import TrackingSettings
 from halo_service.values import Frame, Tracked
 
@@ -30,17 +32,28 @@ class _Tracker(Protocol):
 class HandDetector:
     """A `runtime.Tracker` on MediaPipe's hand model."""
 
-    def __init__(self, camera: Camera, profile: Profile | None, settings: TrackingSettings) -> None:
+    def __init__(
+        self,
+        camera: Camera,
+        profile: Profile | None,
+        settings: TrackingSettings,
+        *,
+        paced: bool = False,
+    ) -> None:
         """Load the model; `UserError` where there is none and none can be fetched.
 
         `profile`: its background shows what is above the surface. None, before any calibration:
-        hands are sought in the whole image.
+        hands are sought in the whole image. `paced`: leave out frames in which depth confirms the
+        hands; the hands of such a frame are older than it.
         """
         self._tracker = _tracker(camera, profile, model_for(settings), settings.max_hands)
+        self._detect: Callable[[Frame], Tracked] = self._tracker.detect
+        if paced and _has_background(profile):
+            self._detect = paced_by_depth(self._detect, profile, settings.max_hands)
 
     def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
-        return self._tracker.detect(frame)
+        return self._detect(frame)
 
     def close(self) -> None:
         """Release the model."""
@@ -68,8 +81,12 @@ def model_for(settings: TrackingSettings) -> Path:
     return hand_model(from_home(settings.model) if settings.model else None)
 
 
+def _has_background(profile: Profile | None) -> TypeGuard[Profile]:
+    return profile is not None and bool(profile.background.valid.any())
+
+
 def _tracker(camera: Camera, profile: Profile | None, model: Path, max_hands: int) -> _Tracker:
-    if profile is None or not profile.background.valid.any():
+    if not _has_background(profile):
         return _WholeImage(camera, model, max_hands)
     background = profile.background
     return RegionTracker(model, background.mean_mm, background.valid, camera.depth.fx, max_hands)

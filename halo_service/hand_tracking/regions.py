@@ -69,7 +69,7 @@ def find_regions(
     size = (height_mm.shape[1] // REDUCE, height_mm.shape[0] // REDUCE)
     high = (height_mm > HAND_MM).astype(np.uint8)
     blobs = cv2.resize(high * 255, size, interpolation=cv2.INTER_AREA) > 127
-    blobs = _without(hands, blobs, px_per_mm / REDUCE)
+    blobs = without_hands(hands, blobs, px_per_mm / REDUCE)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(blobs.astype(np.uint8))
     areas = stats[:, cv2.CC_STAT_AREA]
     least_px = LEAST_AREA_MM2 * (px_per_mm / REDUCE) ** 2
@@ -80,8 +80,11 @@ def find_regions(
     return tuple(_region(labels == n, rim, px_per_mm) for n in large)
 
 
-def _without(hands: Sequence[Hand], blobs: Mask, scale: float) -> Mask:
-    """Return the blobs less the hands and their arms; a hand takes from its own blobs alone."""
+def without_hands(hands: Sequence[Hand], blobs: Mask, scale: float) -> Mask:
+    """Return the blobs less the hands and their arms; a hand takes from its own blobs alone.
+
+    `blobs`: reduced pixels; `scale`: of them per mm.
+    """
     _, labels = cv2.connectedComponents(blobs.astype(np.uint8))
     free = blobs.copy()
     for hand in hands:

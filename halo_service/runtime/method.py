@@ -41,6 +41,9 @@ class Method(Generic[State]):
     whole_image: bool = False
     """Whether its hand tracker sees the whole blended image, as in the paper, or the regions that
     depth proposes, as ours does."""
+    paced: bool = False
+    """Whether its hand tracker leaves out frames in which depth confirms the hands; it then
+    follows fingers between two looks by itself."""
 
 
-OURS = Method("ours", sensing.start, sensing.step, sensing.clear)
+OURS = Method("ours", sensing.start, sensing.step, sensing.clear, paced=True)

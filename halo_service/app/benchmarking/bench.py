@@ -105,8 +105,8 @@ class Service:
 
     def tracker(self) -> TrackerThread:
         """Start the hand tracker in its thread."""
-        make = partial(HandDetector, self._recording.camera, self._profile, self._settings.tracking)
-        return TrackerThread(make)
+        camera, tracking = self._recording.camera, self._settings.tracking
+        return TrackerThread(partial(HandDetector, camera, self._profile, tracking, paced=True))
 
     def state(self) -> State:
         """Return the state of the sensing before the first frame."""

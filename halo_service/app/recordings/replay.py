@@ -35,7 +35,7 @@ def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
             require_fit(profile, source.camera)
         session = session_of(recording)
         state = chosen.start(profile, settings.sensing)
-        with _detector(source, profile, settings) as detect, written(out) as file:
+        with _detector(source, profile, settings, chosen.paced) as detect, written(out) as file:
             count = 0
             for touch_frame in sensed(source, detect, chosen, state):
                 file.write(frame_line(touch_frame, NODE, session, count))
@@ -50,12 +50,14 @@ def session_of(recording: Path) -> str:
 
 
 @contextmanager
-def _detector(source: Source, profile: Profile | None, settings: Settings) -> Iterator[DetectHands]:
+def _detector(
+    source: Source, profile: Profile | None, settings: Settings, paced: bool
+) -> Iterator[DetectHands]:
     """Yield the hand tracker; without a profile no hands are needed, so none is loaded."""
     if profile is None:
         yield lambda frame: None
         return
     from halo_service.app.hand_detector import HandDetector
 
-    with closing(HandDetector(source.camera, profile, settings.tracking)) as detector:
+    with closing(HandDetector(source.camera, profile, settings.tracking, paced=paced)) as detector:
         yield watched(detector.detect, profile)

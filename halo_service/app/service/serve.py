@@ -180,7 +180,8 @@ def _tracker(source: Source, reloader: ProfileReloader, settings: Settings) -> T
     if reloader.profile is None and not settings.profile and source.kind == "recording":
         return None
     model_for(settings.tracking)  # here, so that a missing model is an error at the start
-    return TrackerThread(lambda: HandDetector(source.camera, reloader.profile, settings.tracking))
+    camera, tracking = source.camera, settings.tracking
+    return TrackerThread(lambda: HandDetector(camera, reloader.profile, tracking, paced=True))
 
 
 def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:

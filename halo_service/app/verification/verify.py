@@ -76,7 +76,9 @@ def _grid_from_source(settings: Settings, request: VerifyRequest) -> Grid:
             with suppress(KeyboardInterrupt):
                 _follow_virtual_user(source, verification, state, settings)
             return verification.grid
-        tracker = TrackerThread(lambda: HandDetector(source.camera, profile, settings.tracking))
+        tracker = TrackerThread(
+            lambda: HandDetector(source.camera, profile, settings.tracking, paced=True)
+        )
         stack.callback(tracker.close)
         publisher = _VerificationPublisher(verification)
         loop = LiveLoop(source, reopen, tracker, state, publisher)

@@ -196,6 +196,7 @@ def _perform(
             calibrated.profiles,
             settings,
             CachedHands(recording, whole_image=True),
+            task.hands,
         )
         for name, profile in calibrated.profiles.items():
             results[name] = judge(

@@ -11,6 +11,7 @@ from halo_service.evaluation.study.simulate import Tracker
 from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.runtime.method import Method
+from halo_service.runtime.pace import paced_by_depth
 from halo_service.runtime.replay import replay
 from halo_service.sensing import SensingSettings
 from halo_service.sources import EndOfSource, Source
@@ -87,17 +88,25 @@ def sense_all(
     profiles: Mapping[str, Profile],
     settings: SensingSettings,
     track_image: Tracker | None = None,
+    hands: int = 2,
 ) -> dict[str, tuple[TouchFrame, ...]]:
     """Return what each method publishes, by its name; the tracker is as late as it is live.
 
     `track_image`: for methods with a tracker of the whole image; None: as for the others.
+    `hands`: how many the tracker finds at most.
 
     Every frame goes to all methods before the next is read, so each is decoded once.
     """
+
+    def tracker_of(method: Method[Any]) -> Tracker:
+        if method.whole_image and track_image is not None:
+            return track_image
+        return paced_by_depth(track, profiles[method.name], hands) if method.paced else track
+
     runs = [
         replay(
             FrameSequence(copy, camera),
-            track_image if track_image is not None and method.whole_image else track,
+            tracker_of(method),
             method,
             method.start(profiles[method.name], settings),
         )

@@ -9,13 +9,21 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from halo_service.app.cli import main
+from halo_service.app.recordings.area import near_surface
 from halo_service.app.recordings.record import copy_frames
+from halo_service.geometry.camera import Camera
+from halo_service.geometry.surface import from_view
+from halo_service.profile import Background, Profile
+from halo_service.profile.store import load, save
+from halo_service.sensing.fit import surface_fit
 from halo_service.sources import EndOfSource, SourceLost
 from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame
@@ -82,6 +90,51 @@ def test_a_recording_can_be_recorded(recording: Path, tmp_path: Path) -> None:
         assert copied.colour is None
         np.testing.assert_array_equal(copied.depth, original.depth)
         np.testing.assert_array_equal(copied.ir, original.ir)
+
+
+def camera_of(path: Path) -> Camera:
+    with closing(Recording(path, realtime=False, loop=False)) as recording:
+        return recording.camera
+
+
+def profile_of(camera: Camera, folder: Path) -> Profile:
+    """A profile of a table half a metre below a camera."""
+    shape = (camera.depth.height, camera.depth.width)
+    flat = np.full(shape, 500.0, np.float32)
+    background = Background(flat, np.ones(shape, np.float32), flat > 0)
+    surface = from_view(np.array([0.0, 0.0, 1.0]), 500.0)
+    save(Profile("desk", camera, surface, background, None, 1), folder)
+    return load(folder)
+
+
+def test_a_recording_of_the_area_alone_is_small_and_equal_there(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = ["--source", f"recording:{recording}"]
+    profile = profile_of(camera_of(recording), tmp_path / "desk")
+    area = tmp_path / "area.mkv"
+    assert main(["record", str(area), *source, "--area", str(tmp_path / "desk")]) == 0
+    assert area.stat().st_size < 0.4 * recording.stat().st_size
+    near = near_surface(profile)
+    assert 0.2 < near.mean() < 0.6
+    for all_of_it, cut in zip(frames_of(recording), frames_of(area), strict=True):
+        assert cut.colour is None
+        np.testing.assert_array_equal(cut.depth[near], all_of_it.depth[near])
+        np.testing.assert_array_equal(cut.ir[near], all_of_it.ir[near])
+        assert np.count_nonzero(cut.ir[~near]) < 0.03 * near.size
+        # What tells drift and a moved table is the same.
+        assert surface_fit(cut.depth, profile) == surface_fit(all_of_it.depth, profile)
+
+
+def test_the_area_of_another_camera_is_refused_and_no_file_is_left(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    profile_of(replace(camera_of(recording), serial="OTHER"), tmp_path / "desk")
+    source = ["--source", f"recording:{recording}"]
+    out = tmp_path / "area.mkv"
+    assert main(["record", str(out), *source, "--area", str(tmp_path / "desk")]) == 2
+    assert "OTHER" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.mkv"))
 
 
 def test_a_recording_is_not_overwritten_unless_asked(

@@ -18,7 +18,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("out", type=Path, metavar="OUT.mkv", help="file to write")
     add_source(parser)
     parser.add_argument("--seconds", type=float, metavar="S", help="length (default: until Ctrl-C)")
-    parser.add_argument("--no-colour", action="store_true", help="record no colour, for privacy")
+    parser.add_argument(
+        "--no-colour",
+        action="store_true",
+        help="record no colour, for privacy: 15 MB a second instead of 22",
+    )
+    parser.add_argument(
+        "--area",
+        metavar="P",
+        help="record only the surface of this profile and 80 mm around it, without colour: "
+        "6 MB a second for 300 x 200 mm seen from half a metre",
+    )
     parser.add_argument("--force", action="store_true", help="replace a file of that name")
 
 
@@ -28,9 +38,12 @@ def run(options: argparse.Namespace) -> int:
     Exit code 1: the file is complete, but frames were lost.
     """
     from halo_service.app.recordings.record import record
+    from halo_service.profile.store import load, profile_path
 
     source = settings_from(options).source
-    done = record(options.out, source, options.seconds, not options.no_colour, options.force)
+    area = load(profile_path(options.area)) if options.area else None
+    colour = not options.no_colour
+    done = record(options.out, source, options.seconds, colour, options.force, area)
     size_mb = options.out.stat().st_size / 1e6
     print(f"halo: {done.frames} frames in {options.out}, {size_mb:.0f} MB", file=sys.stderr)
     if done.ended:

@@ -17,9 +17,12 @@ from typing import Protocol
 
 from halo_service.app.process import endings
 from halo_service.app.progress import progress
+from halo_service.app.recordings.area import AreaCut
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
+from halo_service.profile import Profile
+from halo_service.profile.store import require_fit
 from halo_service.runtime.checks import check_capture
 from halo_service.settings import SourceSettings
 from halo_service.sources import EndOfSource, Source, SourceLost
@@ -64,18 +67,29 @@ class Writer(Protocol):
         """Append a frame; False: it was not written."""
 
 
+def _everything(frame: Frame) -> Frame:
+    return frame
+
+
 def record(
-    out: Path, settings: SourceSettings, seconds: float | None, colour: bool, force: bool = False
+    out: Path,
+    settings: SourceSettings,
+    seconds: float | None,
+    colour: bool,
+    force: bool = False,
+    area: Profile | None = None,
 ) -> Recorded:
     """Record a source until it ends, `seconds` are over or Ctrl-C.
 
-    Raises `UserError` if there is such a file and not `force`, or if source or file fails before
-    the first frame; then no file is left. What was recorded until a camera is lost is stored.
+    `area`: record only the surface of this profile and what is near it, without colour. Raises
+    `UserError` if there is such a file and not `force`, or if source or file fails before the first
+    frame; then no file is left. What was recorded until a camera is lost is stored.
     """
     if out.is_file() and not force:
         raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
     # A recording is copied as fast as possible, with every frame.
-    source, _ = open_source(replace(settings, fast=settings.name.startswith("recording:")))
+    fast = settings.name.startswith("recording:")
+    source, _ = open_source(replace(settings, fast=fast), area.camera.serial if area else "")
     stopped = threading.Event()
 
     def stop(number: int, where: FrameType | None) -> None:
@@ -85,11 +99,15 @@ def record(
         stack.callback(source.close)
         for number in endings():
             stack.callback(signal.signal, number, signal.signal(number, stop))
+        cut = _everything
+        if area is not None:
+            require_fit(area, source.camera)
+            cut, colour = AreaCut(area).cut, False
         recorder = stack.enter_context(
             Recorder(out, source.camera, fps=source.camera.fps, colour=colour)
         )
         bar = stack.enter_context(progress(f"recording {out.name}"))
-        return copy_frames(source, recorder, seconds, stopped, bar.advance)
+        return copy_frames(source, recorder, seconds, stopped, bar.advance, cut)
 
 
 def copy_frames(
@@ -98,8 +116,9 @@ def copy_frames(
     seconds: float | None,
     stopped: threading.Event,
     advance: Callable[[], None] = lambda: None,
+    cut: Callable[[Frame], Frame] = _everything,
 ) -> Recorded:
-    """Read and write in two threads; return what came."""
+    """Read and write in two threads; return what came. `cut`: what of a frame is written."""
     frames, lost, bad, ended = 0, 0, 0, ""
     first_us = last_us = None
     live = source.kind != "recording"
@@ -117,7 +136,7 @@ def copy_frames(
                     continue
                 # A player would show Unix time as decades, so a live recording begins at 0.
                 frame = replace(capture, time_us=capture.time_us - first_us) if live else capture
-                written.append(thread.submit(writer.write, frame))
+                written.append(thread.submit(lambda each: writer.write(cut(each)), frame))
                 if len(written) > WAITING:
                     frames += written.popleft().result()
                 advance()

@@ -264,10 +264,11 @@ class Evening:
         self.memory_mb = (0.0, 0.0)
         self.handles = (0, 0)
         self.ended_empty = False
+        self._began_s = time.monotonic()
 
     def run(self, seconds: float) -> None:
         """Switch faults until the time is over."""
-        began_s = time.monotonic()
+        began_s = self._began_s = time.monotonic()
         self._watch(60.0, lambda: self.seen.downs > 2)
         self._watch(min(WARM_UP_S, seconds / 5))
         warm = False
@@ -282,6 +283,9 @@ class Evening:
             self._others()
             if not warm:
                 warm, self._warm = True, self._usage()
+            megabytes, files = self._usage()
+            after_s = time.monotonic() - began_s
+            print(f"after {after_s:.0f} s: {megabytes:.1f} MB, {files} files", flush=True)
         used = self._usage()
         self.memory_mb = (self._warm[0], used[0])
         self.handles = (self._warm[1], used[1])
@@ -297,7 +301,15 @@ class Evening:
         reported_s = self._reported(before, began_s, shows)
         self._watch(least_s - (time.monotonic() - began_s))
         self._order("end", fault)
-        self.rows.append((fault, reported_s, self._recovery()))
+        self._row(fault, reported_s, self._recovery())
+
+    def _row(self, fault: str, reported_s: float | None, back_s: float | None) -> None:
+        """Note what a fault did; print at once where it is not as wanted."""
+        self.rows.append((fault, reported_s, back_s))
+        if reported_s is None or back_s is None or back_s > RECOVERED_S:
+            after_s = time.monotonic() - self._began_s
+            said = f"reported {_seconds(reported_s)}, touch {_seconds(back_s)}"
+            print(f"after {after_s:.0f} s: {fault}: {said}", flush=True)
 
     def _reported(self, before: Health | None, began_s: float, shows: Shows) -> float | None:
         """Wait until `health` shows a fault; return how long that took, None if it never did."""
@@ -318,7 +330,7 @@ class Evening:
             with halo_client.connect(f"osc://?hello=127.0.0.1:{self._ports['control']}") as client:
                 client.poll(0.05)
                 self._watch(0.05)
-        self.rows.append((f"{CLIENTS} clients", UNREPORTED, self._recovery()))
+        self._row(f"{CLIENTS} clients", UNREPORTED, self._recovery())
 
     def _without_a_router(self) -> None:
         """Kill the Zenoh router, start it again, and wait for a touch that comes through it."""
@@ -335,7 +347,7 @@ class Evening:
                     routed.update(event, time.monotonic())
                 self._watch(0.0)
         back_s = routed.down_s - ended_s if routed.downs else None
-        self.rows.append(("router killed", reported_s, back_s))
+        self._row("router killed", reported_s, back_s)
 
     def _routes(self) -> bool:
         with socket.socket() as probe:
@@ -350,7 +362,7 @@ class Evening:
         began_s = time.monotonic()
         os.kill(self._service.pid or 0, signal.SIGCONT)
         back_s = self._recovery()
-        self.rows.append(("suspended", self._reported(before, began_s, _bad), back_s))
+        self._row("suspended", self._reported(before, began_s, _bad), back_s)
 
     def _disk_full(self) -> None:
         """Let the service save a new background, which needs an empty table, on a full disk."""
@@ -362,7 +374,7 @@ class Evening:
         reported_s = self._reported(before, began_s, _unwritten)
         self._order("end", "disk full")
         self._order("end", "hands away")
-        self.rows.append(("disk full", reported_s, self._recovery()))
+        self._row("disk full", reported_s, self._recovery())
 
     def _replaced(self) -> None:
         """Replace the profile while the service runs."""
@@ -374,7 +386,7 @@ class Evening:
         self._watch(5.0, lambda: (self.seen.scene or scene).revision == revision)  # type: ignore[union-attr]
         reported = self.seen.scene is not None and self.seen.scene.revision == revision
         reported_s = time.monotonic() - began_s if reported else None
-        self.rows.append(("profile replaced", reported_s, self._recovery()))
+        self._row("profile replaced", reported_s, self._recovery())
 
     def _kill(self) -> None:
         """Kill the service in mid-touch, and start it again."""
@@ -388,7 +400,7 @@ class Evening:
         began_s = time.monotonic()
         self._watch(60.0, lambda: len(self.seen.sessions) > sessions)
         print(f"started again in {time.monotonic() - began_s:.1f} s")
-        self.rows.append(("kill -9", UNREPORTED, self._recovery()))
+        self._row("kill -9", UNREPORTED, self._recovery())
 
     def _quiet(self) -> None:
         """Count the touches of a while without a fault."""
@@ -453,13 +465,15 @@ class Evening:
         errors = log.count("Traceback (most") - log.count("\nRuntimeError: the model is broken")
         growth = self.memory_mb[1] / self.memory_mb[0] - 1.0
         seen = self.seen
-        print(f"{'fault':24} {'reported after':>15} {'touch again after':>18}")
+        print(f"{'fault':24} {'times':>5} {'reported after':>15} {'touch again after':>18}")
         for name in dict.fromkeys(row[0] for row in self.rows):
-            reported = _worst([row[1] for row in self.rows if row[0] == name])
-            back = _worst([row[2] for row in self.rows if row[0] == name])
-            print(f"{name:24} {_seconds(reported):>15} {_seconds(back):>18}")
+            times = [row for row in self.rows if row[0] == name]
+            reported, back = (_worst([row[part] for row in times]) for part in (1, 2))
+            print(f"{name:24} {len(times):5} {_seconds(reported):>15} {_seconds(back):>18}")
         print(f"frames {seen.frames}, gaps {seen.gaps}, longest gap {seen.longest_gap_s:.2f} s")
         print(f"touches {seen.downs}, lost {self.lost}, pointers stuck {len(seen.stuck)}")
+        if errors:
+            print(log[log.find("Traceback (most") :])
         print(f"errors that left the live loop {errors}, restarts {self.restarts}")
         print(
             f"memory {self.memory_mb[0]:.1f} -> {self.memory_mb[1]:.1f} MB ({100 * growth:+.1f} %)"
@@ -467,8 +481,6 @@ class Evening:
         print(f"open files {self.handles[0]} -> {self.handles[1]}")
         late = [row for row in self.rows if row[1] is None or row[2] is None]
         slow = [row for row in self.rows if row[2] is not None and row[2] > RECOVERED_S]
-        for row in (*late, *slow):
-            print(f"failed: {row[0]} (reported {_seconds(row[1])}, touch {_seconds(row[2])})")
         good = not (late or slow or seen.stuck or errors or growth > GROWTH)
         print("passed" if good and self.ended_empty else "failed")
         return 0 if good and self.ended_empty else 1

@@ -1,0 +1,102 @@
+using System;
+using System.Collections.Generic;
+using System.Threading;
+using HaloTouch;
+using HaloTouch.Internal;
+
+// What the core allocates, and how its hand-off is bounded.
+static partial class Program
+{
+    sealed class Counter : ISessionListener
+    {
+        public int Frames;
+        public float Sum;
+
+        public void OnEvent(SessionEvent found)
+        {
+            if (found.Kind != EventKind.Frame) return;
+            Frames++;
+            foreach (var pointer in found.Frame.Pointers) Sum += pointer.Pressure;
+            foreach (var contact in found.Frame.Contacts) Sum += contact.StrikeMmS;
+        }
+    }
+
+    // Bytes allocated while frames are read, after a warm-up. Without a source: the lines of the
+    // standard input are datagrams, read as fast as possible. With one: live frames.
+    static int Allocations(string url)
+    {
+        return url.Length == 0 ? OfMemory() : OfSource(url);
+    }
+
+    static int OfMemory()
+    {
+        var datagrams = new List<byte[]>();
+        foreach (var line in Lines()) datagrams.Add(Bytes(line));
+        var counter = new Counter();
+        var session = new Session(default(Follow), counter);
+        var half = datagrams.Count / 2;
+        for (var i = 0; i < half; i++) session.Receive(datagrams[i], datagrams[i].Length, i * 0.01);
+        var frames = counter.Frames;
+        var before = GC.GetAllocatedBytesForCurrentThread();
+        for (var i = half; i < datagrams.Count; i++) session.Receive(datagrams[i], datagrams[i].Length, i * 0.01);
+        var bytes = GC.GetAllocatedBytesForCurrentThread() - before;
+        var probe = GC.GetAllocatedBytesForCurrentThread();
+        GC.KeepAlive(new byte[1000]);
+        probe = GC.GetAllocatedBytesForCurrentThread() - probe;
+        Out.WriteLine("{\"frames\": " + (counter.Frames - frames) + ", \"bytes\": " + bytes + ", \"probe\": " + probe + "}");
+        return 0;
+    }
+
+    // The main thread's own bytes, and those of all threads: the growth of the whole heap, in which
+    // nothing is collected meanwhile.
+    static int OfSource(string url)
+    {
+        const int Warm = 60, Measured = 300;
+        var counter = new Counter();
+        using (var client = Client.Open(url, counter))
+        {
+            Console.Error.WriteLine("ready");
+            Wait(client, counter, Warm);
+            GC.Collect();
+            var collections = GC.CollectionCount(0);
+            var heap = GC.GetTotalMemory(false);
+            var before = GC.GetAllocatedBytesForCurrentThread();
+            Wait(client, counter, Warm + Measured);
+            var bytes = GC.GetAllocatedBytesForCurrentThread() - before;
+            heap = GC.GetTotalMemory(false) - heap;
+            collections = GC.CollectionCount(0) - collections;
+            Out.WriteLine("{\"frames\": " + Measured + ", \"bytes\": " + bytes + ", \"heap\": " + heap + ", \"collections\": " + collections + "}");
+        }
+        return 0;
+    }
+
+    static void Wait(Client client, Counter counter, int frames)
+    {
+        var until = Clock.NowS + 30;
+        while (counter.Frames < frames && Clock.NowS < until)
+        {
+            client.Poll();
+            Thread.Sleep(1);
+        }
+        if (counter.Frames < frames) throw new TimeoutException("only " + counter.Frames + " frames came");
+    }
+
+    // A flood while the main thread is busy: the newest datagrams stay.
+    static int Ring()
+    {
+        var ring = new DatagramRing();
+        var bytes = new byte[3000];
+        for (var i = 0; i < 1000; i++)
+        {
+            bytes[0] = (byte)(i >> 8);
+            bytes[1] = (byte)i;
+            ring.Push(bytes, 2 + i % 2900, i);
+        }
+        var buffer = new byte[16];
+        var numbers = new List<string>();
+        while (ring.TryPop(ref buffer, out var length, out var receivedS))
+            numbers.Add("[" + (buffer[0] << 8 | buffer[1]) + ", " + length + ", " + View.Number(receivedS) + "]");
+        Out.WriteLine("{\"dropped\": " + ring.Dropped + ", \"left\": " + List(numbers) + "}");
+        return 0;
+    }
+}

@@ -1,0 +1,253 @@
+"""The Unity client's core on real sockets: conformance, a running service, what it allocates."""
+
+from __future__ import annotations
+
+import json
+import random
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from halo_service.app.conformance.expected import verdict
+from halo_service.app.conformance.play import play_udp, play_websocket
+from halo_service.app.conformance.script import steps
+from tests.clients.unity.conftest import PACKAGE
+
+Line = dict[str, Any]
+HALO = Path(sys.executable).with_name("halo")
+SOURCE = "sim:ten-fingers?mode=NFOV_2X2BINNED"
+JSLIB = PACKAGE / "Runtime" / "Plugins" / "WebGL" / "HaloWebSocket.jslib"
+
+
+class Client:
+    """A program that writes a line of JSON for each event, until its input ends."""
+
+    def __init__(self, command: list[str]) -> None:
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self._lines: list[str] = []
+        assert self._process.stdout is not None
+        self._reader = threading.Thread(target=self._lines.extend, args=(self._process.stdout,))
+        self._reader.start()
+
+    def wait_until_ready(self) -> None:
+        assert self._process.stderr is not None
+        assert self._process.stderr.readline() == "ready\n"
+
+    def lines(self) -> list[Line]:
+        """What has come until now."""
+        assert self._process.poll() in (None, 0)
+        return [json.loads(line) for line in self._lines.copy()]
+
+    def end(self) -> list[Line]:
+        """Our program ends with its input, and `halo monitor` with Ctrl-C."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        if "monitor" in self._process.args:
+            self._process.send_signal(signal.SIGINT)
+        self._process.wait(20.0)
+        self._reader.join()
+        for pipe in (self._process.stdout, self._process.stderr):
+            assert pipe is not None
+            pipe.close()
+        return self.lines()
+
+    def kill(self) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+            self.end()
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Client]]:
+    with ExitStack() as clients:
+
+        def run(*command: str) -> Client:
+            client = Client(list(command))
+            clients.callback(client.kill)
+            return client
+
+        yield run
+
+
+def free_port_of(kind: socket.SocketKind) -> int:
+    with socket.socket(socket.AF_INET, kind) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def udp_port() -> int:
+    return free_port_of(socket.SOCK_DGRAM)
+
+
+def tcp_port() -> int:
+    return free_port_of(socket.SOCK_STREAM)
+
+
+def differences(lines: list[Line]) -> list[str]:
+    return [f"{node}: {why}" for node, _, why in verdict(lines) if why]
+
+
+def in_thread(action: Callable[..., object], *arguments: Any) -> threading.Thread:
+    thread = threading.Thread(target=action, args=arguments, daemon=True)
+    thread.start()
+    return thread
+
+
+@pytest.mark.long
+def test_it_passes_the_conformance_test(
+    program: list[str],
+    start: Callable[..., Client],
+    external_program: Callable[[str], str],
+) -> None:
+    """By UDP, by the WebSocket of desktop builds and by that of web pages, at the same time."""
+    osc, web, page = udp_port(), tcp_port(), tcp_port()
+    node = external_program("node")
+    by_udp = start(*program, "live", f"osc://127.0.0.1:{osc}?follow=all")
+    by_udp.wait_until_ready()
+    players = [in_thread(play_udp, "127.0.0.1", osc)]
+    opened = threading.Barrier(3)
+    players += [
+        in_thread(play_websocket, port, lambda url: opened.wait(20)) for port in (web, page)
+    ]
+    opened.wait(20)
+    by_websocket = start(*program, "live", f"ws://127.0.0.1:{web}/halo?follow=all")
+    url = f"ws://127.0.0.1:{page}/halo"
+    script = str(Path(__file__).with_name("jslib.mjs"))
+    in_page = subprocess.Popen(
+        [node, "--experimental-websocket", script, str(JSLIB), url],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    received, _ = in_page.communicate(timeout=60)
+    for player in players:
+        player.join()
+    for client in (by_udp, by_websocket):
+        assert differences(client.end()) == []
+    sent = [step.datagram.hex() for step in steps() if step.datagram is not None]
+    assert received.split() == sent
+
+
+class Relay:
+    """Forwards a service's datagrams to several clients, with the same losses for each."""
+
+    def __init__(self, targets: list[int]) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.settimeout(0.2)
+        self.port = int(self._socket.getsockname()[1])
+        self._targets = targets
+        self._over = threading.Event()
+        self._thread = in_thread(self._run)
+
+    def _run(self) -> None:
+        chance = random.Random(17)
+        held: bytes | None = None
+        while not self._over.is_set():
+            try:
+                datagram = self._socket.recv(65_536)
+            except TimeoutError:
+                continue
+            kind = chance.random()
+            if kind < 0.1:
+                continue  # lost
+            if kind < 0.15 and held is None:
+                held = datagram  # late
+                continue
+            for each in (datagram, *([datagram] if kind > 0.95 else []), *([held] if held else [])):
+                for port in self._targets:
+                    self._socket.sendto(each, ("127.0.0.1", port))
+            held = None
+
+    def close(self) -> None:
+        self._over.set()
+        self._thread.join()
+        self._socket.close()
+
+
+@pytest.mark.long
+def test_it_prints_the_frames_of_halo_monitor(
+    program: list[str], start: Callable[..., Client], tmp_path: Path
+) -> None:
+    """A running service, killed and started again; lost, late, doubled and split datagrams."""
+    ours, monitors = udp_port(), udp_port()
+    relay = Relay([ours, monitors])
+    settings = tmp_path / "halo.toml"
+    # Ten fingers do not fit a bundle of 768 bytes.
+    settings.write_text('[osc]\nmax_bytes = 768\n[sensing]\nfingers = "all"\n')
+
+    def serve() -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            [
+                HALO, "serve", "--config", settings, "--node", "desk", "--no-zenoh", "--no-web",
+                "--osc", f"127.0.0.1:{relay.port}", "--control-port", str(udp_port()),
+                "--source", SOURCE,
+            ],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+
+    unity = start(*program, "live", f"osc://127.0.0.1:{ours}")
+    monitor = start(str(HALO), "monitor", "--json", "--from", f"osc://127.0.0.1:{monitors}")
+    unity.wait_until_ready()
+    wait_for(lambda: is_bound(monitors))
+    service = serve()
+    try:
+        wait_for(lambda: split_frames(unity) > 60 and touches(unity) > 0)
+        service.kill()
+        service.wait()
+        first = unity.lines()[-1]["session"]
+        service = serve()
+        wait_for(lambda: split_frames(unity, but=first) > 20)
+    finally:
+        service.kill()
+        service.wait()
+        relay.close()
+    time.sleep(4.0)  # both end the touches of the lost service
+    found, expected = unity.end(), monitor.end()
+    for line in expected:
+        del line["received_us"]
+    assert found == expected
+    frames = [line for line in found if line["kind"] == "frame"]
+    assert sum(line["missed"] for line in frames) > 5
+    assert any(not line["complete"] for line in frames), "a part of a split frame was lost"
+    assert sum(line["kind"] == "lost" for line in found) == 2
+
+
+def split_frames(client: Client, but: str = "") -> int:
+    """Frames with too many fingers for a bundle, of other sessions than one."""
+    frames = (line for line in client.lines() if line["kind"] == "frame" and line["session"] != but)
+    return sum(len(line["pointers"]) > 5 for line in frames)
+
+
+def touches(client: Client) -> int:
+    return sum(len(line.get("events", ())) for line in client.lines())
+
+
+def is_bound(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return True
+    return False
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until, "it did not happen in time"
+        time.sleep(0.1)

@@ -83,7 +83,7 @@ def serve(folder: Path, ports: dict[str, int], pipe: Connection) -> None:
     set_up_logging(logging.INFO)
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     service.open_source = lambda *_: (FaultyCamera(), FaultyCamera)  # type: ignore[assignment]
-    service.HandDetector = lambda *_: FaultyTracker()  # type: ignore[assignment, misc]
+    service.HandDetector = lambda *_, **__: FaultyTracker()  # type: ignore[assignment, misc]
     service.model_for = lambda *_: Path()
     threading.Thread(target=_obey, args=(pipe,), daemon=True).start()
     service.serve(

@@ -12,7 +12,7 @@ from halo_service.errors import SourceLost
 from halo_service.geometry.camera import Camera
 from halo_service.values import BadFrame, Frame, SourceKind
 
-__all__ = ["EndOfSource", "Exposing", "Source", "SourceLost"]
+__all__ = ["ColourSwitch", "EndOfSource", "Exposing", "Source", "SourceLost"]
 
 
 class EndOfSource(Exception):  # noqa: N818 - an end, no error
@@ -49,3 +49,11 @@ class Exposing(Protocol):
 
         Raises SourceLost.
         """
+
+
+@runtime_checkable
+class ColourSwitch(Protocol):
+    """A source that saves work while no part of the program needs its colour."""
+
+    def with_colour(self, wanted: bool) -> None:
+        """Switch colour on or off, soon; frames without it have None. Raises SourceLost."""

@@ -76,6 +76,7 @@ class VirtualKinect:
         # The worker is deaf to signals: without this, forgetting `close()` would hang the exit.
         atexit.register(self.close)
         self._seen = 0
+        self._colour = True
         self._deadline: float | None = time.monotonic() + START_S
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
@@ -108,6 +109,16 @@ class VirtualKinect:
         """Let the projector show a picture from now on, (h, w, 3) BGR of its size; None: off."""
         try:
             self._pipe.send(("show", picture))
+        except OSError:
+            raise self._died() from None
+
+    def with_colour(self, wanted: bool) -> None:
+        """Draw colour or leave it out from the next frames on; without it frames cost less."""
+        if wanted == self._colour:
+            return
+        self._colour = wanted
+        try:
+            self._pipe.send(("colour", wanted))
         except OSError:
             raise self._died() from None
 

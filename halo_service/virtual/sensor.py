@@ -55,6 +55,11 @@ class Sensor:
             ColourImager(room, self.camera, self.surface, colour_times) if colour_times else None
         )
         self._shown: Bgr | None = None
+        self._draws_colour = True
+
+    def with_colour(self, wanted: bool) -> None:
+        """Draw colour or leave it out from now on; depth and infrared stay the same."""
+        self._draws_colour = wanted
 
     def show(self, picture: Bgr | None) -> None:
         """Let the projector show a picture, (h, w, 3) of its size, from now on; None: it is off.
@@ -131,7 +136,7 @@ class Sensor:
         velocities: Sequence[NDArray[np.float64]],
         rng: np.random.Generator,
     ) -> Bgr | None:
-        if self._colour is None:
+        if self._colour is None or not self._draws_colour:
             return None
         image = self._colour.draw(t_s, seen, velocities)
         self._electronics.grain(image, rng)

@@ -148,5 +148,7 @@ class _Camera:
                 self._asked = value
             elif kind == "show":
                 self._sensor.show(value)
+            elif kind == "colour":
+                self._sensor.with_colour(value)
             else:
                 self._scenario.send(value)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from halo_service.errors import UserError
+from halo_service.sources import ColourSwitch
 from halo_service.virtual.live import VirtualKinect
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -65,6 +66,17 @@ def test_frames_come_in_time_and_in_order_with_their_truth(tmp_path):
     listed = [line["time_us"] for line in lines if "fingers" in line]
     assert set(times) <= set(listed)
     assert any("contact" in line for line in lines)
+
+
+def test_colour_is_left_out_while_no_part_needs_it():
+    with VirtualKinect(parse_sim_url("sim:demo?drop=0")) as kinect:
+        assert isinstance(kinect, ColourSwitch)
+        assert first(kinect).colour is not None
+        for wanted in (False, True):
+            kinect.with_colour(wanted)
+            frames = [first(kinect) for _ in range(6)]  # those on the way still have the old one
+            assert (frames[-1].colour is not None) is wanted
+            assert frames[-1].depth.any()
 
 
 def test_a_slow_reader_gets_the_newest_frame_and_memory_stays_bounded():

@@ -56,6 +56,15 @@ def test_a_frame_does_not_depend_on_the_frames_before_it():
     assert same(first.frame(99, [hand]), Sensor(room).frame(99, [hand]))
 
 
+def test_depth_and_infrared_are_the_same_without_colour():
+    room = draw_room(3)
+    full, without = Sensor(room), Sensor(room)
+    without.with_colour(False)
+    one, other = (sensor.frame(1_000_000) for sensor in (full, without))
+    assert one.colour is not None and other.colour is None
+    assert np.array_equal(one.depth, other.depth) and np.array_equal(one.ir, other.ir)
+
+
 def test_one_seed_is_one_room_over_all_scenarios():
     for scenario in ("demo", "calibration", "pointing", "drumming"):
         assert parse_sim_url(f"sim:{scenario}", seed=9).room == draw_room(9)

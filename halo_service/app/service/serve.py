@@ -39,7 +39,7 @@ from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import DEFAULT_SURFACE, State, start
 from halo_service.settings import Settings
-from halo_service.sources import Source
+from halo_service.sources import ColourSwitch, Source
 from halo_service.values import Frame
 
 if TYPE_CHECKING:
@@ -108,6 +108,9 @@ def serve(
         def control_and_report(state: State, source: Source | None) -> State:
             systemd.alive()
             state = handler.handle(state, source)
+            if isinstance(source, ColourSwitch):
+                taps = page.observer.taps if page else ()
+                source.with_colour(bool(taps) or _needs_colour(reloader.profile))
             return page.observer.turn(state) if page else state
 
         def watch(frame: Frame) -> None:
@@ -182,6 +185,13 @@ def _tracker(source: Source, reloader: ProfileReloader, settings: Settings) -> T
     model_for(settings.tracking)  # here, so that a missing model is an error at the start
     camera, tracking = source.camera, settings.tracking
     return TrackerThread(lambda: HandDetector(camera, reloader.profile, tracking, paced=True))
+
+
+def _needs_colour(profile: Profile | None) -> bool:
+    """Whether the hand tracker looks at colour, or an anchor is watched for in it."""
+    if profile is None or profile.anchor is not None:
+        return True
+    return not profile.background.valid.any()
 
 
 def _reopen_same(reopen: Callable[[], Source], camera: Camera) -> Source:

@@ -9,6 +9,7 @@ complete. Encoding takes about 20 ms per frame: do it after the packet was sent.
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -67,6 +68,7 @@ class Recorder:
         except OSError as error:
             raise self._cannot_write(error) from error
         self._last_ms: int | None = None
+        self._encoder = ThreadPoolExecutor(1, "encode")
         self._container: OutputContainer = av.open(
             self._file, "w", format="matroska", container_options={"fflags": "+bitexact"}
         )
@@ -93,8 +95,9 @@ class Recorder:
         time_ms = round(frame.time_us / 1000)
         if self._last_ms is not None and time_ms <= self._last_ms:
             return False
-        packets = [*_encoded(self._depth, frame.depth, time_ms)]
-        packets += _encoded(self._ir, frame.ir, time_ms)
+        # The infrared is most of the work and FFmpeg lets Python run meanwhile: use both cores.
+        infrared = self._encoder.submit(_encoded, self._ir, frame.ir, time_ms)
+        packets = [*_encoded(self._depth, frame.depth, time_ms), *infrared.result()]
         if self._colour is not None and frame.colour is not None:
             packets.insert(0, _stamped(Packet(self._jpeg(frame.colour)), self._colour, time_ms))
         try:
@@ -112,6 +115,7 @@ class Recorder:
         """
         if self._file.closed:
             return
+        self._encoder.shutdown()
         if self._last_ms is None:
             self.abort()
             raise UserError(f"no frame came, so {self._path} was not written; check the source.")
@@ -127,6 +131,7 @@ class Recorder:
 
     def abort(self) -> None:
         """Delete the file. May be called twice; after `close` it does nothing."""
+        self._encoder.shutdown()
         try:
             self._file.close()
         except OSError:

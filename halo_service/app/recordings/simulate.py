@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,13 +50,21 @@ def simulate(request: SimulateRequest) -> int:
         bar = stack.enter_context(
             progress(f"rendering {request.out.name}", recording.expected_frames)
         )
+        # One frame is written while the next is drawn.
+        writer = stack.enter_context(ThreadPoolExecutor(1, "write"))
+        written_frame: Future[bool] | None = None
         for frame, lines in recording:
+            if written_frame is not None:
+                written_frame.result()
+                written_frame = None
             if frame is not None:
-                recorder.write(frame)
+                written_frame = writer.submit(recorder.write, frame)
                 count += 1
             if truth is not None:
                 truth.writelines(json.dumps(line) + "\n" for line in lines)
             bar.advance()
+        if written_frame is not None:
+            written_frame.result()
         if script is not None:
             script.write(json.dumps(recording.script(), indent=1) + "\n")
     return count

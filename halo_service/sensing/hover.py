@@ -41,8 +41,6 @@ that, and by as much again because steep and flat pitches are read too near to 4
 PLAIN_SEEN_DEG, LEAST_SEEN_DEG = 40.0, 5.0
 """Angles between the finger and the line of sight. Below the first one the camera looks along the
 finger, and what it sees behind the tip's end is no longer above the pad."""
-CLEARLY_SIGMAS = 2.5
-"""The finger's own depth alone is sure from here on."""
 LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
@@ -54,7 +52,7 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     through the held states; and from the finger's own depth, as it read in these states. Above the
     halo's reach the latter counts alone; there is no jump.
     """
-    own_mm, own_deviation_mm = _own_height(tip, states)
+    own_mm, own_deviation_mm = own_height(tip, states)
     if signal.hidden or not states.hover.readings:
         return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
     halo_mm, halo_deviation_mm, share = _halo_height(signal, states)
@@ -83,16 +81,7 @@ def _halo_height(signal: Signal, states: TouchStates) -> tuple[float, float, flo
     return height_mm, math.hypot(float(above - below) / 2.0, curve_mm), share
 
 
-def clearly_above(tip: Fingertip, states: TouchStates) -> bool:
-    """Return whether the finger's own depth rules out a touch, whatever the halo reads.
-
-    Beyond where the finger was swept, and under a palm, a halo may read as strong as a touch's.
-    """
-    own_mm, deviation_mm = _own_height(tip, states)
-    return own_mm > CLEARLY_SIGMAS * deviation_mm  # false for nan
-
-
-def _own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
+def own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     """Return the pad's height by the finger's own depth, and its standard deviation, mm.
 
     That is inf where the held states do not say how a finger's depth reads.

@@ -11,11 +11,10 @@ import numpy as np
 
 from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
-from halo_service.sensing.detector import CONTACT_LEVEL
+from halo_service.sensing.detector import Detector
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import FORCE_UNKNOWN_G, force, touch_pressure
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.states import certainty
 from halo_service.values import (
     Contact,
     Diagnostics,
@@ -38,7 +37,8 @@ LEAST_FALL_S = 0.01
 HIDDEN_CONFIDENCE = 0.6
 """Factor for a finger without visible surface next to its tip: its halo is another's, or none."""
 EDGE_CONFIDENCE = 0.6
-"""Factor for a finger outside the surface, where nothing was calibrated."""
+"""Factor for a finger outside the surface, where nothing was calibrated: of six such touches of
+tuning users four were right."""
 RANGE_HYSTERESIS_MM = 5.0
 """A pointer ends this much farther out than a new one starts, so that none flickers."""
 
@@ -136,7 +136,7 @@ def describe(
     slot: int,
     tip: Fingertip,
     signal: Signal,
-    level: float,
+    detector: Detector,
     contact: Contact,
     states: TouchStates,
 ) -> Pointer:
@@ -157,14 +157,14 @@ def describe(
         vy_mm_s=0.0,
         confidence=tip.confidence
         * (HIDDEN_CONFIDENCE if signal.hidden else 1.0)
-        * certainty(signal, level, CONTACT_LEVEL, states),
+        * (detector.probability if contact.touching else 1.0 - detector.probability),
         contacts=contact.count,
         diagnostics=Diagnostics(
             camera_mm=tip.camera_mm,
             tip_px=tip.tip_px,
             halo=signal.raw,
             halo_corrected=signal.corrected,
-            level=level,
+            level=detector.level,
             top_mm=tip.top_mm,
             pitch_deg=tip.pitch_deg,
             yaw_deg=tip.yaw_deg,

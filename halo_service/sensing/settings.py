@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Interval
 
 from halo_service.sensing.detections import Fingers
 
 Positive = Annotated[float, Gt(0.0)]
+Probability = Annotated[float, Interval(ge=0.01, le=0.99)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,19 +31,11 @@ class SensingSettings:
     a pointing index finger is rarely meant, and costs as much time)."""
     lost_after_ms: Positive = 250.0
     """A finger that the depth has not shown for so long is gone (chosen: a few frames)."""
-    down_departure: Positive = 0.2
-    """How far the level (0 subtle, 1 touch) departs from its baseline at a touch (chosen: several
-    times the level's noise, and what a flat finger's weaker halo still reaches)."""
-    down_level: Positive = 0.2
-    """Least level of a touch, whatever the baseline (chosen: a flat finger's halo is weaker)."""
-    down_rise_per_s: Positive = 1.5
-    """Least rise of the level at a sharp touch, 1/s (chosen: 0.05 a frame, a slow finger's)."""
-    sure_level: Positive = 0.8
-    """From this level on a touch need not be sharp (chosen: a soft landing ends above it)."""
-    up_level: Positive = 0.1
-    """Below this level a touch ends (chosen: hysteresis against a halo that flickers)."""
-    baseline_time_ms: Positive = 400.0
-    """Time constant of the adaptive baseline (chosen: slower than a tap, faster than drift)."""
+    down_level: Probability = 0.5
+    """A touch begins where its probability, seen in one frame, passes this (chosen)."""
+    up_level: Probability = 0.1
+    """A touch ends where its probability falls below this (chosen: hysteresis against a halo that
+    flickers)."""
     fast_mm_s: Positive = 900.0
     """A finger moving sideways faster than this cannot come down (paper 6.2 filters by speed)."""
 
@@ -52,9 +45,4 @@ class SensingSettings:
             raise ValueError(
                 f"'up_level' must be below 'down_level', not {self.up_level:g} and "
                 f"{self.down_level:g}"
-            )
-        if self.down_level > self.sure_level:
-            raise ValueError(
-                f"'down_level' must be at most 'sure_level', not {self.down_level:g} and "
-                f"{self.sure_level:g}"
             )

@@ -78,14 +78,6 @@ def touch_level(signal: Signal, states: TouchStates) -> float:
     return between(signal, states.subtle, states.touch)
 
 
-def certainty(signal: Signal, level: float, middle: float, states: TouchStates) -> float:
-    """Return the probability that a level is on its side of the middle, 0.5 to 1."""
-    deviation = span(signal, states.subtle, states.touch).deviation
-    if not 0.0 < deviation < math.inf:
-        return 1.0
-    return 0.5 + 0.5 * math.erf(abs(level - middle) / (deviation * math.sqrt(2.0)))
-
-
 def values_of(state: TouchState) -> tuple[float, ...]:
     """Return a state's readings; the sum alone in a profile from before there were several."""
     return state.readings or (state.signal,)

@@ -13,18 +13,17 @@ from dataclasses import dataclass, replace
 from halo_service.profile import Profile
 from halo_service.sensing.association import associate
 from halo_service.sensing.background import Drift, follow_drift
+from halo_service.sensing.contact import evidence
 from halo_service.sensing.correction import at_pitch, correct, leveled
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
-from halo_service.sensing.hover import clearly_above
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.states import touch_level
 from halo_service.sensing.tracks import (
     Past,
     Track,
@@ -91,12 +90,10 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
         return coast(before, now_us, settings)
     tip = found.tip
     signal = measure(found.own, tip, profile)
-    level = touch_level(signal, states)
-    if clearly_above(tip, states):
-        level = min(level, 0.0)
-    detector = detect(before.detector, level, now_us, before.motion.speed_mm_s, settings)
+    seen = evidence(signal, tip, states)
+    detector = detect(before.detector, seen, now_us, before.motion.speed_mm_s, settings)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
-    pointer = describe(before.id, before.slot, tip, signal, level, bounced.contact, states)
+    pointer = describe(before.id, before.slot, tip, signal, detector, bounced.contact, states)
     motion = follow(before.motion, pointer, now_us)
     vx_mm_s, vy_mm_s = motion.velocity_mm_s
     if not within_reach(pointer, before.pointer is not None, profile.surface, settings):

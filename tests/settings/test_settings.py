@@ -55,8 +55,9 @@ def test_what_is_set_is_set(tmp_path: Path) -> None:
             "[sensing]\nup_level = 0.5\ndown_level = 0.3\n",
             "sensing: 'up_level' must be below 'down_level', not 0.5 and 0.3",
         ),
-        ("[sensing]\nup_level = 0.2\n", "'up_level' must be below 'down_level', not 0.2 and 0.2"),
-        ("[sensing]\ndown_level = 0.9\n", "'down_level' must be at most 'sure_level'"),
+        ("[sensing]\nup_level = 0.5\n", "'up_level' must be below 'down_level', not 0.5 and 0.5"),
+        ("[sensing]\ndown_level = 1\n", "sensing: 'down_level' must be from 0.01 to 0.99, not 1"),
+        ("[sensing]\nsure_level = 0.8\n", "unknown key 'sure_level'"),
         (
             '[source]\nname = "recording:C:\\tables\\new.mkv"\n',
             "source: 'name' holds the control character '\\t'; write a path with backslashes in "
@@ -129,7 +130,9 @@ def test_no_number_of_the_sensing_can_break_it(tmp_path: Path, key: str, number:
     if (key, number) == ("halo_threshold_mm", "0"):  # what the calibration measured
         assert load(tmp_path / "halo.toml").sensing.halo_threshold_mm == 0.0
         return
-    with pytest.raises(UserError, match=f"sensing: '{key}' must be .*(more|finite).* not {number}"):
+    with pytest.raises(
+        UserError, match=f"sensing: '{key}' must be .*(more|finite|from).* not {number}"
+    ):
         load(tmp_path / "halo.toml")
 
 

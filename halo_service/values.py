@@ -175,6 +175,8 @@ class Diagnostics:
     yaw_deg: float
     dent_mm: float = math.nan
     """As in `Signal`; nan where it is hidden, and for methods that read none."""
+    probability: float = math.nan
+    """That the finger touches, by this frame alone; nan for methods that compute none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,6 +169,7 @@ def describe(
             pitch_deg=tip.pitch_deg,
             yaw_deg=tip.yaw_deg,
             dent_mm=signal.dent_mm,
+            probability=detector.probability,
         ),
     )
 

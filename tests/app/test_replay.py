@@ -16,6 +16,7 @@ from halo_service.outputs.jsonl import frame_line
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import save
+from halo_service.sensing.detector import Detector
 from halo_service.sensing.pointers import describe
 from halo_service.settings import Settings
 from halo_service.values import Contact, Finger, Fingertip, Side, Signal, TouchFrame
@@ -70,7 +71,7 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
 
 DIAGNOSTICS = (
     "camera_mm", "tip_px", "halo", "halo_corrected", "level", "top_mm", "pitch_deg", "yaw_deg",
-    "dent_mm",
+    "dent_mm", "probability",
 )  # fmt: skip
 
 
@@ -83,7 +84,7 @@ def test_a_line_has_the_diagnostics_of_a_touch_and_null_for_a_hidden_dent(
         Side.RIGHT, Finger.INDEX, (320, 288), (320, 313), (150, 100), (0, 0, 500), 14, 45, 0, 1
     )
     signal, contact = Signal(900.0, 800.0, (900.0, read, read, read)), Contact(True, 1, 0)
-    pointer = describe(1, 0, tip, signal, 0.5, contact, profile.touch)
+    pointer = describe(1, 0, tip, signal, Detector(0.7, 0.5, 0, True), contact, profile.touch)
     line = json.loads(frame_line(TouchFrame(0, "desk", 300.0, 200.0, (pointer,)), "n", "s", 0))
     diagnostics = line["pointers"][0]["diagnostics"]
     assert tuple(diagnostics) == DIAGNOSTICS
@@ -92,7 +93,7 @@ def test_a_line_has_the_diagnostics_of_a_touch_and_null_for_a_hidden_dent(
         800.0,
         0.5,
     ]
-    assert diagnostics["dent_mm"] == written
+    assert (diagnostics["dent_mm"], diagnostics["probability"]) == (written, 0.7)
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ FULL_PRESS = 1.0
 
 
 def frame_value(frame: TouchFrame) -> Json:
-    """Return one frame with the level of each pointer, which no client gets."""
+    """Return one frame with the probability of contact of each pointer, which no client gets."""
     return {
         "kind": "frame",
         "time_ms": frame.time_us // 1000,
@@ -41,7 +41,7 @@ def _pointer(pointer: Pointer) -> Json:
         "hover_mm": _number(pointer.hover_mm),
         "pressure": _number(pointer.pressure, 3),
         "force_g": _number(pointer.force_g) if pointer.force_g >= 0.0 else None,
-        "level": _number(pointer.diagnostics.level, 3),
+        "probability": _number(pointer.diagnostics.probability, 3),
         "confidence": _number(pointer.confidence, 2),
     }
 
@@ -92,7 +92,6 @@ def scene_value(state: State) -> Json:
         "projector": _projector_corners(profile),
         "thresholds": {
             "down_level": settings.down_level,
-            "sure_level": settings.sure_level,
             "up_level": settings.up_level,
             "hover_range_mm": settings.hover_range_mm,
             "press_g": _press_g(profile),

@@ -82,6 +82,12 @@ def _figures(results: Sequence[Result], first: str) -> list[str]:
             touch_plots.lateness(results),
         ),
         _figure(
+            "Reliability of the confidence",
+            "Share of the reported touches that were right, over their confidence; all tasks. On "
+            "the diagonal the confidence is what it claims, above it it is too low.",
+            touch_plots.reliability_plot(results),
+        ),
+        _figure(
             "Re-taps reported, by how far the finger rose",
             "The touch point threshold is the least lift from which on 99 % are reported.",
             level_plots.retaps(results),

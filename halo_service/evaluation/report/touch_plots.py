@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from halo_service.evaluation.metrics.confidence import reliability
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.metrics.spatial import Errors, ellipse, from_truth
 from halo_service.evaluation.metrics.timing import Timing
@@ -24,6 +25,7 @@ from halo_service.evaluation.report.svg import (
     cross,
     dots,
     drawing,
+    line,
     oval,
     text,
     ticks,
@@ -49,6 +51,26 @@ def targets(results: Sequence[Result], method: str) -> list[str]:
         if hits:
             drawings.append(_map(material, hits, method))
     return drawings
+
+
+def reliability_plot(results: Sequence[Result]) -> list[str]:
+    """Share of the right touches over their confidence, one line per method."""
+    panel = Panel(230.0, 230.0, (0.0, 1.0), (0.0, 105.0))
+    lines = []
+    for method in select.methods(results):
+        touches = select.pooled(select.of(results, method)).touches
+        bins = [each for each in reliability(touches) if each.reported]
+        sure, right = [b.confidence for b in bins], [100.0 * b.share for b in bins]
+        if bins:
+            lines.append(line(panel, sure, right, coloured(method)))
+            lines.append(dots(panel, sure, right, coloured(method)))
+    if not lines:
+        return []
+    numbers = ticks(0, 0.25, 0.5, 0.75, 1)
+    percents = ticks(0, 25, 50, 75, 100)
+    frame = axes(panel, "", "confidence", "right, %", numbers, percents)
+    diagonal = line(panel, (0.0, 1.0), (0.0, 100.0), "truth")
+    return [drawing(panel, "share of right touches by confidence", [frame, diagonal, *lines])]
 
 
 def clouds(results: Sequence[Result]) -> list[str]:

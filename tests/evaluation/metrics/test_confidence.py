@@ -5,7 +5,7 @@ import pickle
 
 import pytest
 
-from halo_service.evaluation.metrics.confidence import Confidence, score_confidence
+from halo_service.evaluation.metrics.confidence import Confidence, reliability, score_confidence
 from halo_service.evaluation.metrics.difficult import score_difficult
 from halo_service.evaluation.metrics.pool import pool
 from halo_service.evaluation.metrics.scores import Scores
@@ -59,6 +59,17 @@ def test_a_down_is_right_or_wrong_with_high_or_low_confidence(
 ):
     touches, _ = scored(contacts, downs, confidences)
     assert score_confidence(touches) == expected
+
+
+def test_reliability_counts_the_right_touches_in_each_bin_of_confidence():
+    contacts = [contact(4.5 + 10 * n, 9 + 10 * n) for n in range(4)]
+    downs = {5 + 10 * n: [down()] for n in range(4)} | {49: [down()], 55: [down()]}
+    confidences = {5: 0.95, 15: 0.9, 25: 0.55, 35: None, 49: 1.0, 55: 0.5}  # the last are ghosts
+    touches, _ = scored(contacts, downs, confidences)
+    bins = {each.least: each for each in reliability(touches) if each.reported}
+    assert {least: (b.right, b.reported) for least, b in bins.items()} == {0.9: (2, 3), 0.5: (1, 2)}
+    assert bins[0.9].confidence == pytest.approx(0.95)
+    assert bins[0.5].share == 0.5
 
 
 def test_recordings_add_up():

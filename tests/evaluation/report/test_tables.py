@@ -20,7 +20,7 @@ from halo_service.evaluation.metrics.scores import score
 from halo_service.evaluation.metrics.scripted import score_script
 from halo_service.evaluation.metrics.speeds import Speed
 from halo_service.evaluation.metrics.touches import Touches
-from halo_service.evaluation.report.breakdown import breakdown
+from halo_service.evaluation.report.breakdown import breakdown, reliability_table
 from halo_service.evaluation.report.csv_file import write
 from halo_service.evaluation.report.figures import FIGURES, figures
 from halo_service.evaluation.report.goals import FAIL, GOALS, NOT_MEASURED, PASS, goal_table
@@ -449,6 +449,13 @@ def everything():
     yield result(None, method="ours", subject=foam, refused="too <b>far</b> & low")
 
 
+def test_the_reliability_table_shows_the_share_of_right_touches_by_confidence():
+    table = reliability_table([result(feinted(0.5), "awkward"), result(taps())])
+    cells = dict(table.rows)
+    assert table.head == ("confidence", "ours")
+    assert cells == {"0.5 to 0.6": "0% of 1", "0.9 to 1": "100% of 7"}
+
+
 def test_the_page_loads_nothing_and_closes_every_tag():
     reader = Reader()
     text = page(tuple(everything()), FACTS)
@@ -464,8 +471,8 @@ def test_every_drawing_is_valid_and_has_a_description():
     text = page(tuple(everything()), FACTS)
     drawings = ["<svg" + part.split("</svg>")[0] + "</svg>" for part in text.split("<svg")[1:]]
     # A map of the one material, two clouds, the bars, two families of hover and one of pressure,
-    # two histograms and the re-taps.
-    assert len(drawings) == 1 + 2 + 1 + 2 + 1 + 2 + 1
+    # two histograms, the reliability and the re-taps.
+    assert len(drawings) == 1 + 2 + 1 + 2 + 1 + 2 + 1 + 1
     for drawing in drawings:
         root = ElementTree.fromstring(drawing)
         assert root.get("aria-label")

@@ -16,7 +16,7 @@ export class Strip {
       el("figcaption", {}, "Level: 0 as near as possible without touch, 1 a touch. Dashed: where a touch begins and ends. Thick: touching."),
     );
     this.thresholds = {};
-    this.points = []; // {at, slot, level, height, force, touch}
+    this.points = []; // {at, slot, probability, height, force, touch}
   }
 
   add(frame) {
@@ -24,7 +24,7 @@ export class Strip {
     for (const each of frame.pointers) {
       this.points.push({
         at, slot: each.slot, touch: each.touch,
-        level: each.level, height: each.hover_mm, force: each.touch ? each.force_g : null,
+        probability: each.probability, height: each.hover_mm, force: each.touch ? each.force_g : null,
       });
     }
     while (this.points.length && at - this.points[0].at > SPAN_MS) this.points.shift();
@@ -34,10 +34,10 @@ export class Strip {
     const { context, width, height } = fitted(this.canvas, innerWidth < 700 ? 0.75 : 0.42);
     context.clearRect(0, 0, width, height);
     const now = performance.now();
-    const { down_level, up_level, sure_level, hover_range_mm, press_g } = this.thresholds;
+    const { down_level, up_level, hover_range_mm, press_g } = this.thresholds;
     const forces = this.points.map((each) => each.force ?? 0);
     const rows = [
-      { name: "level", unit: "", low: -0.5, high: 1.6, marks: [[down_level, "down"], [up_level, "up"], [sure_level, "sure"]] },
+      { name: "probability", unit: "", low: 0, high: 1, marks: [[down_level, "down"], [up_level, "up"]] },
       { name: "height", unit: "mm", low: 0, high: Math.min(hover_range_mm ?? 100, 60), marks: [] },
       { name: "force", unit: "g", low: 0, high: Math.max(1.3 * (press_g ?? 100), ...forces), marks: press_g ? [[press_g, "press"]] : [] },
     ];

@@ -18,6 +18,10 @@ elastic body (Hertz), less for flesh that stiffens. Chosen between 1/2 and 2/3, 
 TOUCH_G, PRESS_G = 25.0, 200.0
 """A relaxed touch and a medium press, if not stated (chosen)."""
 
+PRIOR_PRESSES = 1.0
+"""Before any reading, a force is the medium press, give or take as many of it (chosen: from nothing
+to twice the press). Where the halo says little, it holds back estimates that are far off."""
+
 Points = Sequence[tuple[float, float]]
 """Places of the held forces on a scale of the halo, rising, and the contacts there, g^GROWTH."""
 
@@ -33,12 +37,29 @@ def touch_pressure(signal: Signal, states: TouchStates) -> float:
 
 
 def touch_force(signal: Signal, states: TouchStates) -> tuple[float, float]:
-    """Return the force and its standard deviation, grams; by assumed forces if none is stated."""
+    """Return the force and its standard deviation, grams; by assumed forces if none is stated.
+
+    The mean of what the halo says and of what is known before, each weighted by its variance.
+    """
+    read_g, deviation_g = read_force(signal, states)
+    if not 0.0 < deviation_g < math.inf:
+        return read_g, deviation_g
+    touch_g, press_g = _forces(states)
+    weight, prior = deviation_g**-2, (PRIOR_PRESSES * press_g) ** -2
+    mean_g = (weight * max(read_g, touch_g) + prior * press_g) / (weight + prior)
+    return mean_g, (weight + prior) ** -0.5
+
+
+def read_force(signal: Signal, states: TouchStates) -> tuple[float, float]:
+    """Return the force by the halo alone and its standard deviation, grams.
+
+    The latter is inf where the calibration does not show what the halo is worth.
+    """
     scale, points = _curve(signal, states)
-    at = scale.at(at_calibrated_pitch(signal, states.touch))
-    off = min(scale.deviation, 1.0)
-    above_g, below_g = _grams(at + off, points), _grams(at - off, points)
-    return _grams(at, points), (above_g - below_g) / 2.0
+    at, off = scale.at(at_calibrated_pitch(signal, states.touch)), scale.deviation
+    if math.isinf(off):
+        return _grams(at, points), math.inf
+    return _grams(at, points), (_grams(at + off, points) - _grams(at - off, points)) / 2.0
 
 
 def force(pressure: float, states: TouchStates) -> float:

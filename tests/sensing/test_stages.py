@@ -18,7 +18,7 @@ from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
 from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.fingertips import line_of_sight_deg
 from halo_service.sensing.hover import hover_height
-from halo_service.sensing.pressure import force, touch_force, touch_pressure
+from halo_service.sensing.pressure import force, read_force, touch_force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.silhouette import silhouette_end
@@ -411,9 +411,11 @@ def test_pressure_and_force(
 ) -> None:
     assert profile.touch is not None
     by_sum = touch_pressure(Signal(total, total, (total, NAN, NAN, NAN)), dented)
-    by_dent = touch_pressure(signal(11.0 + (total - 2000.0) / 250.0), dented)
-    assert (by_sum, by_dent) == pytest.approx((pressure, pressure), abs=0.001)
-    assert touch_pressure(signal(3.0, total), profile.touch) == by_sum
+    by_dent, _ = read_force(signal(11.0 + (total - 2000.0) / 250.0), dented)
+    assert by_sum == pytest.approx(pressure, abs=0.001)
+    assert max(by_dent, 25.0) == pytest.approx(grams, abs=0.1)
+    older = touch_pressure(signal(3.0, total), profile.touch)
+    assert older == pytest.approx(by_sum, rel=0.005)  # no noise is known there, so it is steady
     assert force(by_sum, profile.touch) == pytest.approx(grams, abs=0.1)
 
 
@@ -426,13 +428,22 @@ def test_a_hard_press_fixes_the_far_end_of_the_force(
     readings = read(3500.0, 17.0)
     hard = replace(dented.pressure, force_g=400.0, readings=readings, noise=NOISE)
     states = replace(dented, hard=hard)
-    assert touch_force(signal(dent_mm), states)[0] == pytest.approx(grams, abs=1.0)
+    assert read_force(signal(dent_mm), states)[0] == pytest.approx(grams, abs=1.0)
 
 
 def test_a_force_is_as_sure_as_the_readings_are(dented: TouchStates) -> None:
     vague = replace(signal(15.0), deviations=(0.2,) * 4)
     steady = replace(signal(15.0), deviations=(0.02,) * 4)
     assert touch_force(vague, dented)[1] > 2.0 * touch_force(steady, dented)[1] > 0.0
+
+
+def test_an_unsure_force_is_held_nearer_to_the_medium_press(dented: TouchStates) -> None:
+    vague, steady = (
+        touch_force(replace(signal(17.0), deviations=(each,) * 4), dented)[0]
+        for each in (0.2, 0.01)
+    )
+    assert 200.0 < vague < steady - 30.0
+    assert steady == pytest.approx(read_force(signal(17.0), dented)[0], rel=0.05)
 
 
 def test_pressure_grows_with_the_halo(dented: TouchStates) -> None:

@@ -64,9 +64,10 @@ def test_each_of_many_taps_counts(table: DrawnTable) -> None:
 def test_pressure_is_one_at_the_calibrated_press_and_goes_on(table: DrawnTable) -> None:
     frames, _ = sense(table, (9, 9, 12, 14, 16, 18))
     pressures = [frame.pointers[0].pressure for frame in frames]
-    assert pressures == pytest.approx([0.0, 0.0, 0.02, 0.4054, 1.0, 1.7567], abs=1e-4)
+    # By the halo alone 0.4054 and 1.7567: what is known before moves both a little towards 1.
+    assert pressures == pytest.approx([0.0, 0.0, 0.02, 0.4060, 1.0, 1.7547], abs=1e-4)
     assert [frame.pointers[0].force_g for frame in frames[2:5]] == pytest.approx(
-        [25.0, 95.9, 200.0], abs=0.1
+        [25.0, 96.0, 200.0], abs=0.1
     )
 
 

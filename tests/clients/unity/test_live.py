@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import signal
 import socket
@@ -19,7 +20,7 @@ import pytest
 
 from halo_service.app.conformance.expected import verdict
 from halo_service.app.conformance.play import play_udp, play_websocket
-from halo_service.app.conformance.script import steps
+from halo_service.app.conformance.script import down, frame, steps, touching
 from tests.clients.unity.conftest import PACKAGE
 
 Line = dict[str, Any]
@@ -251,3 +252,55 @@ def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
     while not condition():
         assert time.monotonic() < until, "it did not happen in time"
         time.sleep(0.1)
+
+
+@pytest.mark.long
+def test_a_requested_stream_arrives_and_allocates_nothing(
+    program: list[str], tmp_path: Path
+) -> None:
+    """From a running sender, asked by a hello; the lease is renewed meanwhile."""
+    control = udp_port()
+    settings = tmp_path / "halo.toml"
+    settings.write_text(
+        f"[control]\nport = {control}\n[osc]\nenabled = false\n[zenoh]\nenabled = false\n"
+        f"[web]\nport = {tcp_port()}\n"
+    )
+    url = f"osc://?hello=127.0.0.1:{control}"
+    command = [HALO, "test-pattern", "--config", settings, "--seconds", "30"]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as sender:
+        done = subprocess.run(
+            [*program, "allocations", url, "100"], capture_output=True, text=True, timeout=60
+        )
+        sender.terminate()
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {"frames": 100, "bytes": 0, "collections": 0}
+
+
+FLOOD = 20_000
+
+
+@pytest.mark.long
+def test_no_thread_allocates_for_a_datagram(program: list[str]) -> None:
+    """The smallest object has 16 bytes; one for each datagram would fill a nursery of 64 kB."""
+    port = udp_port()
+    over = threading.Event()
+
+    def send() -> None:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            number = 0
+            while not over.wait(0.001):
+                for _ in range(8):
+                    number += 1
+                    for raw in frame("desk", number, [touching()], [down()]):
+                        sender.sendto(raw, ("127.0.0.1", port))
+
+    command = [*program, "allocations", f"osc://127.0.0.1:{port}", str(FLOOD)]
+    environment = {**os.environ, "MONO_GC_PARAMS": "nursery-size=64k"}
+    sender = in_thread(send)
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    finally:
+        over.set()
+        sender.join()
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {"frames": FLOOD, "bytes": 0, "collections": 0}

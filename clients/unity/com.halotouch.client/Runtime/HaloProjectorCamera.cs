@@ -57,6 +57,7 @@ namespace HaloTouch
             }
             var matrix = new Matrix4x4();
             for (var i = 0; i < 16; i++) matrix[i / 4, i % 4] = _rows[i];
+            _camera.orthographic = false;
             _camera.projectionMatrix = matrix;
             IsProjecting = true;
         }

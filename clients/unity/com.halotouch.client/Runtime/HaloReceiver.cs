@@ -161,8 +161,9 @@ namespace HaloTouch
         void Close()
         {
             if (_client == null) return;
-            _client.Dispose();
+            var client = _client;
             _client = null;
+            client.Dispose(); // It ends the open touches.
         }
 
         sealed class Listener : ISessionListener
@@ -175,6 +176,19 @@ namespace HaloTouch
             }
 
             public void OnEvent(SessionEvent found)
+            {
+                try
+                {
+                    Report(found);
+                }
+                catch (Exception error)
+                {
+                    // An error of a handler must not hide the events after it: a touch would never end.
+                    Debug.LogException(error, _receiver);
+                }
+            }
+
+            void Report(SessionEvent found)
             {
                 if (found.Kind == EventKind.Frame) _receiver.OnFrame(found.Frame);
                 else if (found.Kind == EventKind.Lost) _receiver.Lost?.Invoke();

@@ -29,7 +29,7 @@ static partial class Program
         if (mode == "live") return Live(argument);
         if (mode == "recording") return Recording(argument, arguments.Length > 2);
         if (mode == "lease") return ReadLeases();
-        if (mode == "allocations") return Allocations(argument);
+        if (mode == "allocations") return argument.Length == 0 ? OfMemory() : OfSource(argument, int.Parse(arguments[2]));
         if (mode == "ring") return Ring();
         if (mode == "geometry") return Geometry();
         if (mode == "dns") return Dns();
@@ -199,12 +199,17 @@ static partial class Program
         return 0;
     }
 
-    // The hello, then for each answer (`SECONDS HEX`, or `SECONDS -`) the state and what is due.
+    // For each answer (`SECONDS HEX`, or `SECONDS -`) the state and what is due; an empty line starts again.
     static int ReadLeases()
     {
         var lease = new Lease("frames", 0);
         foreach (var line in Lines())
         {
+            if (line.Length == 0)
+            {
+                lease = new Lease("frames", 0);
+                continue;
+            }
             var words = line.Split(' ');
             if (words[1] != "-") lease.Handle(Bytes(words[1]), words[1].Length / 2);
             var due = lease.Due(Parse(words[0]));

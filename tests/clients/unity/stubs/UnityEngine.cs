@@ -127,6 +127,7 @@ namespace UnityEngine
     public static class Debug
     {
         public static void LogError(object message, Object context) => throw null;
+        public static void LogException(Exception exception, Object context) => throw null;
         public static void LogWarning(object message, Object context) => throw null;
     }
 

@@ -13,6 +13,7 @@ namespace HaloTouch.Internal
         byte[] _buffer = new byte[2048];
         double _nextTickS;
         bool _ended;
+        bool _disposed; // a listener can close the client
 
         public Client(IInput input, in Follow follow, ISessionListener listener)
         {
@@ -56,16 +57,18 @@ namespace HaloTouch.Internal
         // Reports all events that have arrived. It allocates nothing.
         public void Poll()
         {
-            for (var i = 0; i < MaxDatagrams; i++)
+            for (var i = 0; i < MaxDatagrams && !_disposed; i++)
             {
                 if (!_input.TryReceive(ref _buffer, out var length, out var receivedS)) break;
                 Session.Receive(_buffer, length, receivedS);
             }
-            Tick(Clock.NowS);
+            if (!_disposed) Tick(Clock.NowS);
         }
 
         public void Dispose()
         {
+            if (_disposed) return;
+            _disposed = true;
             _input.Dispose();
             End();
         }

@@ -18,6 +18,7 @@ from halo_service.host_clock import CLOCK
 from halo_service.runtime.checks import check_capture
 from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health, HealthCounter, SlowWatch
+from halo_service.runtime.load import LEVELS, LOOK_US, LoadWatch
 from halo_service.runtime.memory import MemoryWatch
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerState, TrackerThread
@@ -106,7 +107,9 @@ class LiveLoop:
         self._memory = MemoryWatch()
         self._last_us: int | None = None
         self._bad_in_a_row = 0
-        self._received_s = time.monotonic()
+        self._load = LoadWatch()
+        self._offered_us = 0
+        self._received_s = self._asked_s = time.monotonic()
         self._sent_s = self._scene_s = self._health_s = float("-inf")
 
     def stop(self) -> None:
@@ -174,13 +177,28 @@ class LiveLoop:
             self._good_again()
             age_us = capture.time_us - tracked.time_us if tracked else None
             self._counter.sent(received_s, self._sent_s, age_us)
-        if self._tracker is not None:
+            self._watch_load(received_s, check.missed, fps)
+        if self._tracker is not None and self._is_offered(capture.time_us):
             self._tracker.offer(capture)  # it needs a core too; by now no packet waits for one
         with self._errors.guard("profile"):
             self._watch(capture)
 
+    def _watch_load(self, received_s: float, missed: int, fps: float) -> None:
+        spent_s = self._sent_s - received_s
+        waited_s = received_s - self._asked_s
+        if fps > 0.0 and self._load.see(waited_s, spent_s, missed, 1.0 / fps):
+            log.info("load: level %d, %s", self._load.level, LEVELS[self._load.level])
+
+    def _is_offered(self, time_us: int) -> bool:
+        """Return whether the hand tracker gets a frame: under load it gets fewer."""
+        if 0 <= time_us - self._offered_us < LOOK_US[self._load.level]:
+            return False
+        self._offered_us = time_us
+        return True
+
     def _read(self, source: Source) -> Frame | BadFrame | None:
         """Read the next capture. An unexpected error counts as a bad frame and as silence."""
+        self._asked_s = time.monotonic()
         try:
             return source.read(READ_S)
         except (EndOfSource, UserError):

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from halo_service.geometry.camera import Camera, Lens
 from halo_service.profile import Profile
 from halo_service.runtime.health import Health, SlowWatch
 from halo_service.runtime.live import LiveLoop
+from halo_service.runtime.load import LOOK_US
 from halo_service.runtime.method import OURS, Method
 from halo_service.runtime.tracker_thread import TrackerThread
 from halo_service.sensing import SensingSettings, State, start, step
@@ -506,3 +508,25 @@ def test_a_model_that_goes_missing_later_does_not_end_the_service(
     listener, source = run([frame(0), None, frame(1), None, frame(2)], make=make)
     assert not source.script
     assert FRAME_US * 2 in [each.time_us for each in listener.frames]
+
+
+def test_under_load_the_hand_tracker_gets_fewer_frames_and_every_packet_is_sent() -> None:
+    class Counting(Blind):
+        seen: ClassVar[list[int]] = []
+
+        def detect(self, each: Frame) -> Tracked:
+            self.seen.append(each.time_us)
+            return super().detect(each)
+
+    def slow(state: State, each: Frame, tracked: Tracked | None) -> tuple[TouchFrame, State]:
+        time.sleep(0.8 * FRAME_US / 1e6)
+        return OURS.step(state, each, tracked)
+
+    count = 40
+    listener, _ = run(
+        [frame(n) for n in range(count)], make=Counting, method=replace(OURS, step=slow)
+    )
+    assert len(listener.frames) == count + 1
+    gaps = np.diff(Counting.seen)
+    assert len(gaps) and gaps[-3:].min() >= LOOK_US[1]
+    assert len(Counting.seen) < count / 2

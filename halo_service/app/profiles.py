@@ -108,9 +108,14 @@ def _new_folder(name: str) -> Path:
     return folder
 
 
+def is_name(name: str) -> bool:
+    """Say whether a text is the name of a profile in the data folder, new or not."""
+    return NAME.fullmatch(name) is not None
+
+
 def check_name(name: str) -> None:
     """Raise `UserError` for a name that is not one of a profile in the data folder."""
-    if not NAME.fullmatch(name):
+    if not is_name(name):
         raise UserError(f"profile: '{name[:60]}' is not a valid name; use letters, digits, - and _")
 
 

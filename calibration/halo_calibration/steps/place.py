@@ -24,7 +24,13 @@ from halo_calibration.solvers.projector import (
     projector_by_markers,
     projector_by_touches,
 )
-from halo_calibration.solvers.surface import SurfaceFit, surface_by_markers, surface_by_touches
+from halo_calibration.solvers.rigid2d import TOUCHES
+from halo_calibration.solvers.surface import (
+    CORNERS,
+    SurfaceFit,
+    surface_by_markers,
+    surface_by_touches,
+)
 from halo_calibration.steps import Change, Setup, require, rounded
 from halo_service.geometry.camera import Camera, Lens, Points
 from halo_service.hand_tracking.blend import toned
@@ -97,6 +103,21 @@ def corners_change(setup: Setup, touches: Sequence[Sequence[Place]], profile: Pr
     `touches`: in the frame of the profile's surface. Raises `CalibrationError`.
     """
     fit = surface_by_touches([np.array(each) for each in touches], profile.surface)
+    return _surface_fit_change(setup, fit, rounded(error_mm=fit.error_mm), GOOD_CORNERS_MM)
+
+
+def dragged_change(setup: Setup, corners_px: Points, profile: Profile) -> Change:
+    """Lay the surface between four corners in the depth picture, far left first, clockwise.
+
+    `corners_px`: (4, 2). Raises `CalibrationError`.
+    """
+    if corners_px.shape != (len(CORNERS), 2) or not np.isfinite(corners_px).all():
+        raise CalibrationError("the surface needs four corners in the picture")
+    corners = profile.surface.seen_at(corners_px, setup.camera.depth, np.eye(4))
+    if not np.isfinite(corners).all():
+        raise CalibrationError("a corner is where the camera does not see the table: move it")
+    # A corner in a picture is exact: it needs no repetition, as touches do.
+    fit = surface_by_touches([np.tile(corner, (TOUCHES, 1)) for corner in corners], profile.surface)
     return _surface_fit_change(setup, fit, rounded(error_mm=fit.error_mm), GOOD_CORNERS_MM)
 
 

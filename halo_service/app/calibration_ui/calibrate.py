@@ -12,6 +12,7 @@ from pathlib import Path
 from halo_calibration.base_model import choose_base, pilot_path, read_base, write_base
 from halo_calibration.guided.guide import GuidedCalibration
 from halo_calibration.guided.pilot import merged, pilot_rounds, pilot_samples
+from halo_calibration.guided.projector import Screen
 from halo_calibration.observe import DetectHands
 from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import read_script
@@ -66,8 +67,8 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
         stack.callback(source.close)
         if saved is not None and request.script is None:
             require_fit(saved, source.camera)
-        setup = _setup(settings, request, folder, source)
-        detector_for = _detector_for(source, settings, stack)
+        setup = setup_for(settings, request, folder, source)
+        detector_for = detectors_for(source, settings, stack)
         if request.script is not None:
             _by_script(setup, source, detector_for, request.script, folder)
         else:
@@ -96,24 +97,30 @@ def _guided(
     if isinstance(source, VirtualUser):
         terminal.say("There is no camera, so a virtual user follows the prompts.")
     for name in todo:
-        change = _one(name, guided, source, request, profile)
+        change = run_step(name, guided, source, request, profile)
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
             terminal.say(step_line(each, profile.steps[each]))
 
 
-def _one(
+def run_step(
     name: str,
     guided: GuidedCalibration,
     source: Source,
     request: CalibrateRequest,
     profile: Profile | None,
+    screen: Screen | None = None,
 ) -> Change:
+    """Run one step; in a terminal and on the control page.
+
+    `screen`: what shows the projector's pictures; None: the one that the request names. Raises
+    `UserError` and its `CalibrationError`.
+    """
     if name == "background":
         return guided.background()
     known = require(profile, name)
     if name in PLACED:
-        return place(name, guided, source, request.place, known)
+        return place(name, guided, source, request.place, known, screen)
     return guided.touch(known) if name == "touch" else guided.sweep(known)
 
 
@@ -153,7 +160,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
         terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
         setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
         guided = GuidedCalibration(
-            setup, Session(source), terminal, _detector_for(source, settings, stack)
+            setup, Session(source), terminal, detectors_for(source, settings, stack)
         )
         observer = guided.observer(profile)
         rounds_done = list(pilot_rounds(guided, observer, profile, rounds=rounds, round_s=round_s))
@@ -171,7 +178,8 @@ def missing(profile: Profile | None) -> list[str]:
     return [step for step in STEPS if step not in done and step != "surface"]
 
 
-def _setup(settings: Settings, request: CalibrateRequest, folder: Path, source: Source) -> Setup:
+def setup_for(settings: Settings, request: CalibrateRequest, folder: Path, source: Source) -> Setup:
+    """Return what stays the same over all steps."""
     virtual = isinstance(source, VirtualUser)
     return Setup(
         name=folder.name,
@@ -211,9 +219,11 @@ def _date(source: str) -> str:
     return datetime.fromtimestamp(int(seconds), UTC).isoformat().replace("+00:00", "Z")
 
 
-def _detector_for(
+def detectors_for(
     source: Source, settings: Settings, stack: ExitStack
 ) -> Callable[[Profile | None], DetectHands]:
+    """Return what makes hand trackers; `stack` closes them."""
+
     def detector_for(profile: Profile | None) -> DetectHands:
         # Calibration needs one hand; the search for a second doubles the time of the tracker.
         detector = HandDetector(source.camera, profile, replace(settings.tracking, max_hands=1))

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from halo_calibration.boards.board import ANCHOR, Printed
 from halo_calibration.guided.guide import GuidedCalibration
 from halo_calibration.guided.place import GuidedPlace
-from halo_calibration.guided.projector import GuidedProjector
+from halo_calibration.guided.projector import GuidedProjector, Screen
 from halo_calibration.steps import Change, surface_change
+from halo_calibration.steps.place import dragged_change
 from halo_service.app.projector.screens import ScreenRequest, screen_for
 from halo_service.errors import UserError
 from halo_service.profile import Profile
@@ -31,27 +35,42 @@ class PlaceRequest:
     """Size of the surface, unless its corners are touched."""
     screen: ScreenRequest = field(default_factory=ScreenRequest)
     marker: Printed = ANCHOR
+    corners_px: tuple[tuple[float, float], ...] = ()
+    """Corners in the depth picture for the way `picture`, far left first, clockwise; px."""
 
 
 def place(
-    name: str, guided: GuidedCalibration, source: Source, request: PlaceRequest, profile: Profile
+    name: str,
+    guided: GuidedCalibration,
+    source: Source,
+    request: PlaceRequest,
+    profile: Profile,
+    screen: Screen | None = None,
 ) -> Change:
-    """Run one of these steps for a profile. Raises `UserError` and its `CalibrationError`."""
+    """Run one of these steps for a profile; `screen`: None: the one that the request names.
+
+    Raises `UserError` and its `CalibrationError`.
+    """
     way = _way(name, request.by)
     if name == "anchor":
         return GuidedPlace(guided).marker(profile, request.marker)
     if name == "projector":
         expose = source.expose if isinstance(source, Exposing) else None
-        with screen_for(source, request.screen) as screen:
-            return GuidedProjector(guided, screen, expose).projector(profile, way)
+        opened = nullcontext(screen) if screen else screen_for(source, request.screen)
+        with opened as shown:
+            return GuidedProjector(guided, shown, expose).projector(profile, way)
     if way == "markers":
         return GuidedPlace(guided).sheet(profile, request.width_mm, request.height_mm)
     if way == "touch":
         return GuidedPlace(guided).corners(profile)
+    if way == "picture":
+        return dragged_change(guided.setup, np.array(request.corners_px), profile)
     return surface_change(guided.setup, request.width_mm, request.height_mm)
 
 
 def _way(name: str, by: str | None) -> str:
+    if (name, by) == ("surface", "picture"):  # a terminal shows no picture
+        return "picture"
     known = WAYS.get(name, ("markers",))
     if by is not None and by not in known:
         raise UserError(f"calibrate {name}: unknown --by '{by}'; choose from: {', '.join(known)}")

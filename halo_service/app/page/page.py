@@ -15,6 +15,7 @@ from halo_service.app.page.picture_thread import PictureThread
 from halo_service.app.page.profile_calls import ProfileCalls
 from halo_service.app.page.record_calls import RecordCalls
 from halo_service.app.page.settings_calls import SettingsCalls
+from halo_service.app.page.wizard.wizard import Wizard
 from halo_service.runtime.live import Publisher
 from halo_service.web.addresses import own_addresses
 from halo_service.web.control_page.server import PageServer
@@ -37,6 +38,7 @@ class ControlPage:
         reloader = parts.reloader
         profiles = ProfileCalls(reloader, lambda: reloader.profile.name if reloader.profile else "")
         changes = SettingsCalls(settings, request.config, parts.osc, self.observer.request)
+        self._wizard = Wizard(settings, source, self.observer, reloader, self.server, parts.paused)
         self.observer.about = {
             "source": source.kind,
             "source_name": settings.source.name,
@@ -51,8 +53,10 @@ class ControlPage:
             **self._records.table(),
             **profiles.table(),
             **changes.table(),
+            **self._wizard.table(),
         }
         self.server.on_join = self.observer.greet
+        self.server.on_message = self._wizard.screen.take
         self._pictures = PictureThread(self.server, lambda: self.observer.newest)
 
     def announce(self, opens: bool) -> None:
@@ -71,6 +75,7 @@ class ControlPage:
 
     def close(self) -> None:
         """End threads and connections."""
+        self._wizard.close()
         self._pictures.close()
         self._records.close()
         self._outputs.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,3 +37,5 @@ class Parts:
     web: WebServer | None
     reloader: ProfileReloader
     fit: Callable[[], str]
+    paused: threading.Event
+    """Set while frames have no pointers and need no hand tracker."""

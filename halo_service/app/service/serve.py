@@ -102,7 +102,7 @@ def serve(
             stack.callback(tracker.close)
             reloader.on_change = tracker.reload
         paused = threading.Event()
-        parts = Parts(settings, source, osc, web, reloader, lambda: fit.fit)
+        parts = Parts(settings, source, osc, web, reloader, lambda: fit.fit, paused)
         page = _page(parts, page_request or PageRequest(), publisher, stack)
 
         def control_and_report(state: State, source: Source | None) -> State:

@@ -133,6 +133,13 @@ class Grid:
         x, y = _pixels(self._matrix, self.places[crossing][None])[0]
         return float(x), float(y)
 
+    def off_px(self, landing: Landing) -> float:
+        """Return how far a touch is from its crossing in the picture, px."""
+        place = self.places[landing.crossing]
+        touched = place + np.array([landing.dx_mm, landing.dy_mm])
+        aim, hit = _pixels(self._matrix, np.array([place, touched]))
+        return float(np.hypot(*(hit - aim)))
+
     def picture(self, fingers: Sequence[Finger]) -> Picture:
         """Draw the edge of the surface, the grid, a dot under each finger and the touches; (height,
         width, 3) BGR."""

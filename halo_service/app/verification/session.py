@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,17 @@ from halo_service.app.verification.crossings import Finger, Grid, Landing
 from halo_service.errors import UserError
 
 
+def _print(words: str) -> None:
+    print(words, file=sys.stderr)
+
+
 class Verification:
     """One grid, until all of its crossings are touched."""
 
-    def __init__(self, grid: Grid, screen: Screen) -> None:
+    def __init__(self, grid: Grid, screen: Screen, say: Callable[[str], None] = _print) -> None:
+        """`say`: gets a line for each touch."""
         self.grid = grid
+        self._say = say
         self._screen = screen
         self._screen.show(grid.picture([]))
 
@@ -26,7 +32,7 @@ class Verification:
         """Draw one frame and count the touches that begin in it; mm on the surface."""
         for x_mm, y_mm in downs:
             landing = self.grid.land(x_mm, y_mm)
-            print(_landing_line(self.grid, x_mm, y_mm, landing), file=sys.stderr)
+            self._say(_landing_line(self.grid, x_mm, y_mm, landing))
         self._screen.show(self.grid.picture(fingers))
 
     @property
@@ -40,7 +46,8 @@ def _landing_line(grid: Grid, x_mm: float, y_mm: float, landing: Landing | None)
     if landing is None:
         return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is not near a crossing"
     right, near = f"{landing.dx_mm:+.1f} right", f"{landing.dy_mm:+.1f} near"
-    return f"{grid.name(landing.crossing)}: {landing.off_mm:.1f} mm off ({right}, {near})"
+    off = f"{landing.off_mm:.1f} mm off, {grid.off_px(landing):.1f} px"
+    return f"{grid.name(landing.crossing)}: {off} ({right}, {near})"
 
 
 def grid_over(
@@ -65,16 +72,21 @@ def grid_over(
 def print_summary(grid: Grid, within_mm: float) -> int:
     """Print the figures; return the exit code: 0 if all crossings were touched and 95 % of the
     touches are within the bound."""
+    lines, good = summary_lines(grid, within_mm)
+    print("\n".join(lines))
+    return int(not good)
+
+
+def summary_lines(grid: Grid, within_mm: float) -> tuple[list[str], bool]:
+    """Return the figures as lines, and whether the verification is passed."""
     summary = grid.summary()
     if summary is None:
-        print("failed: no crossing was touched")
-        return 1
-    print(
+        return ["failed: no crossing was touched"], False
+    figures = (
         f"{summary.touches} touches of {summary.crossings} of {len(grid.places)} crossings: median "
         f"{summary.median_mm:.1f} mm, p95 {summary.p95_mm:.1f} mm, worst "
         f"{summary.worst_mm:.1f} mm at {grid.name(summary.worst)}"
     )
     good = summary.p95_mm <= within_mm and summary.crossings == len(grid.places)
     result = "passed" if good else "failed"
-    print(f"{result}: touch all crossings, 95 % within {within_mm:g} mm")
-    return int(not good)
+    return [figures, f"{result}: touch all crossings, 95 % within {within_mm:g} mm"], good

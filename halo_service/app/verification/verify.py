@@ -70,11 +70,11 @@ def _grid_from_source(settings: Settings, request: VerifyRequest) -> Grid:
         stack.callback(source.close)
         require_fit(profile, source.camera)
         screen = stack.enter_context(screen_for(source, request.screen))
-        verification = Verification(_grid_of(profile, screen), screen)
+        verification = Verification(grid_of(profile, screen), screen)
         state = start(profile, settings.sensing)
         if isinstance(source, VirtualUser):
             with suppress(KeyboardInterrupt):
-                _follow_virtual_user(source, verification, state, settings)
+                follow_virtual_user(source, verification, state, settings)
             return verification.grid
         tracker = TrackerThread(
             lambda: HandDetector(source.camera, profile, settings.tracking, paced=True)
@@ -88,7 +88,7 @@ def _grid_from_source(settings: Settings, request: VerifyRequest) -> Grid:
     return verification.grid
 
 
-def _follow_virtual_user(
+def follow_virtual_user(
     user: VirtualUser, verification: Verification, state: State, settings: Settings
 ) -> None:
     """Let the virtual user touch one crossing after another, as fast as frames are rendered."""
@@ -97,7 +97,7 @@ def _follow_virtual_user(
         HandDetector(user.camera, state.profile, replace(settings.tracking, max_hands=1))
     ) as detector:
         for touch_frame in replay(user, detector.detect, OURS, state):
-            _update(verification, touch_frame)
+            count_touches(verification, touch_frame)
             late = touch_frame.time_us - since_us > 1e6 * VIRTUAL_PATIENCE_S
             if late and target is not None and grid.next == target:
                 grid.given_up.add(target)
@@ -108,7 +108,8 @@ def _follow_virtual_user(
                 user.follow(Prompt("cross", "Touch the ringed crossing.", at_px=grid.pixel(target)))
 
 
-def _grid_of(profile: Profile, screen: Screen) -> Grid:
+def grid_of(profile: Profile, screen: Screen) -> Grid:
+    """Return the grid for a profile's projector. Raises `UserError` where there is none."""
     if profile.projector is None:
         raise UserError(
             f"verify: the profile '{profile.name}' has no projector: run 'halo calibrate projector'"
@@ -129,7 +130,7 @@ class _VerificationPublisher:
 
     def frame(self, touch_frame: TouchFrame) -> None:
         """Count the touches of one frame."""
-        _update(self._verification, touch_frame)
+        count_touches(self._verification, touch_frame)
         if self._verification.done:
             assert self.loop is not None  # the loop calls us
             self.loop.stop()
@@ -141,7 +142,8 @@ class _VerificationPublisher:
         """Do nothing: there are no clients."""
 
 
-def _update(verification: Verification, touch_frame: TouchFrame) -> None:
+def count_touches(verification: Verification, touch_frame: TouchFrame) -> None:
+    """Draw one frame of touches and count those that begin in it."""
     fingers = [Finger(p.x_mm, p.y_mm, p.state is Touch.TOUCH) for p in touch_frame.pointers]
     downs = [(event.x_mm, event.y_mm) for event in touch_frame.events if event.kind == "down"]
     verification.update(fingers, downs)

@@ -1,0 +1,260 @@
+"""The control page in Chromium, on the virtual camera, as a user has it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+playwright = pytest.importorskip("playwright.sync_api")
+
+FOLDER = Path(__file__).parent
+HALO = Path(sys.executable).with_name("halo")
+SOURCE = "sim:demo,mode=NFOV_2X2BINNED"
+"""A quarter of the pixels: the page is as before, and the camera costs less."""
+VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "record", "log")
+START_S, STEP_MS = 90.0, 150_000
+"""Patience with a busy machine."""
+FIRST_PAINT_MS = 1000.0
+
+pytestmark = pytest.mark.long
+
+
+class Service:
+    """`halo serve`, which can be killed and started again."""
+
+    def __init__(self, folder: Path, port: int, control: int) -> None:
+        self.config = folder / "halo.toml"
+        self.config.write_text(f"# The stage.\n[page]\nport = {port}\n\n[sensing]\n# Far.\n")
+        self.url = f"http://127.0.0.1:{port}/"
+        self._data, self._control = folder / "data", control
+        self.start()
+
+    def start(self) -> None:
+        self.process = subprocess.Popen(
+            [
+                HALO, "serve", "--source", SOURCE, "--no-zenoh", "--no-web", "--no-osc",
+                "--control-port", str(self._control), "--config", str(self.config),
+            ],
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "XDG_DATA_HOME": str(self._data)},
+        )  # fmt: skip
+        assert self.process.stderr is not None
+        until_s = time.monotonic() + START_S
+        for line in self.process.stderr:
+            assert time.monotonic() < until_s
+            if f"page: {self.url}" in line:
+                return
+        pytest.fail("the service ended before its page was there")
+
+    def end(self, how: int = signal.SIGTERM) -> None:
+        self.process.send_signal(how)
+        self.process.communicate()
+
+
+@pytest.fixture(scope="module")
+def service(
+    tmp_path_factory: pytest.TempPathFactory, free_port: Callable[[], int]
+) -> Iterator[Service]:
+    service = Service(tmp_path_factory.mktemp("page"), free_port(), free_port())
+    yield service
+    service.end()
+
+
+@pytest.fixture(scope="module")
+def chromium(external_program: Callable[[str], str]) -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(
+            executable_path=external_program("chromium"), args=["--no-sandbox"]
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(chromium: Any) -> Iterator[Any]:
+    """A page; whatever it reports as an error fails the test."""
+    page = chromium.new_context(viewport={"width": 1200, "height": 900}).new_page()
+    page.set_default_timeout(20_000)
+    errors: list[str] = []
+    page.on("console", lambda each: errors.append(each.text) if each.type == "error" else None)
+    page.on("pageerror", lambda each: errors.append(str(each)))
+    page.on("request", lambda each: errors.extend(_outside(each.url)))
+    page.halo_errors = errors
+    yield page
+    page.context.close()
+    assert errors == []
+
+
+def _outside(url: str) -> list[str]:
+    inside = url.startswith(("http://127.0.0.1:", "blob:", "data:"))
+    return [] if inside else [f"request to {url}"]
+
+
+def open_view(page: Any, service: Service, view: str) -> None:
+    page.goto(f"{service.url}#{view}")
+    page.reload()
+    page.wait_for_selector("main h1")
+
+
+def test_every_view_opens_fast_without_errors_and_is_accessible(
+    service: Service, page: Any, chromium: Any
+) -> None:
+    axe = FOLDER / "node_modules" / "axe-core" / "axe.min.js"
+    if not axe.is_file():
+        message = f"axe-core is not installed: run npm install in {FOLDER}"
+        pytest.fail(message) if os.environ.get("HALO_CI") else pytest.skip(message)
+    # axe is not of the page, so its policy refuses it; this context does not ask the policy.
+    context = chromium.new_context(bypass_csp=True)
+    checked = context.new_page()
+    for view in VIEWS:
+        open_view(page, service, view)
+        open_view(checked, service, view)
+        checked.wait_for_timeout(700)
+        checked.add_script_tag(path=str(axe))
+        found = checked.evaluate("axe.run()")["violations"]
+        serious = [each for each in found if each["impact"] in ("serious", "critical")]
+        assert not serious, json.dumps([
+            (view, each["id"], [node["html"] for node in each["nodes"][:3]]) for each in serious
+        ], indent=1)  # fmt: skip
+    painted = checked.evaluate(
+        "performance.getEntriesByName('first-contentful-paint')[0].startTime"
+    )
+    print(f"first contentful paint after {painted:.0f} ms")
+    assert painted < FIRST_PAINT_MS
+    context.close()
+
+
+def test_the_live_view_shows_fingers_and_only_the_chosen_pictures(
+    service: Service, page: Any
+) -> None:
+    open_view(page, service, "live")
+    page.wait_for_selector("text=right index", timeout=60_000)
+    assert page.locator(".pictures canvas").count() == 0
+    for kind, width in (("depth", 160), ("infrared", 160), ("colour", 640)):
+        page.check(f"#show-{kind}")
+        page.wait_for_selector(f".pictures canvas[aria-label={kind}][width='{width}']")
+    page.uncheck("#show-colour")
+    assert page.locator(".pictures canvas").count() == 2
+
+
+def test_a_setting_is_changed_with_the_keyboard_alone_and_read_back(
+    service: Service, page: Any
+) -> None:
+    open_view(page, service, "settings")
+    field = page.locator("#set-sensing-hover_range_mm")
+    field.focus()
+    page.keyboard.press("Control+A")
+    page.keyboard.type("64.5")
+    save = page.get_by_role("button", name="Save").first
+    while not save.evaluate("node => node === document.activeElement"):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#toast:has-text('used from now on')")
+    text = service.config.read_text()
+    assert text.startswith("# The stage.\n") and "# Far.\n" in text
+    assert tomllib.loads(text)["sensing"] == {"hover_range_mm": 64.5}
+    page.reload()
+    assert page.locator("#set-sensing-hover_range_mm").input_value() == "64.5"
+    page.fill("#set-sensing-up_level", "0.9")
+    save.click()
+    page.wait_for_selector("#toast:has-text(\"'up_level' must be below 'down_level'\")")
+    page.halo_errors[:] = [each for each in page.halo_errors if "422" not in each]
+    assert "up_level" not in service.config.read_text()
+
+
+def test_every_setting_is_changed_and_read_back(service: Service, page: Any) -> None:
+    """Through the page's own connection, so that each setting is written and validated once."""
+    open_view(page, service, "settings")
+    before = service.config.read_text()
+    changed = page.evaluate(CHANGE_ALL)
+    assert len(changed) > 40
+    values = tomllib.loads(service.config.read_text())
+    for section, key, value in changed:
+        table = values[section] if section else values
+        assert table[key] == value, (section, key)
+    service.config.write_text(before)
+
+
+CHANGE_ALL = """async () => {
+  const call = async (name, body) => {
+    const answer = await fetch(`/call/${name}`, {
+      method: "POST", body: JSON.stringify(body),
+      headers: { "Content-Type": "application/json", "X-Halo-Page": "1" } });
+    const value = await answer.json();
+    if (!answer.ok) throw new Error(JSON.stringify(body) + value.error);
+    return value;
+  };
+  const { schema, values } = await call("settings", {});
+  const other = (property, value, key) => {
+    if (property.enum) return property.enum.find((each) => each !== value);
+    if (typeof value === "boolean") return !value;
+    if (key === "destinations") return ["127.0.0.1:4999"];
+    if (Array.isArray(value)) return ["tcp/127.0.0.1:7999"];
+    if (key === "node") return "hall";
+    if (key === "token") return "abcdefghijklmnop";
+    if (typeof value === "string") return "changed";
+    const low = property.minimum ?? property.exclusiveMinimum ?? 0;
+    if (property.type === "integer") return value > low ? value - 1 : value + 1;
+    return value * 1.125 + 0.0625;
+  };
+  const done = [];
+  for (const [name, property] of Object.entries(schema.properties)) {
+    const reference = property.$ref ?? property.allOf?.[0]?.$ref;
+    const section = reference ? name : "";
+    const table = reference ? schema.$defs[reference.split("/").pop()].properties : null;
+    const fields = table ?? { [name]: property };
+    for (const [key, field] of Object.entries(fields)) {
+      const now = section ? values[section][key] : values[key];
+      const value = other(field, now, key);
+      await call("change-settings", { changes: [{ section, key, value }] });
+      done.push([section, key, value]);
+    }
+  }
+  return done;
+}"""
+
+
+def test_the_page_comes_back_when_the_service_was_killed(service: Service, page: Any) -> None:
+    open_view(page, service, "live")
+    page.wait_for_selector("#state:has-text('connected')")
+    service.end(signal.SIGKILL)
+    page.wait_for_selector("#state:has-text('no service')")
+    service.start()
+    page.wait_for_selector("#state:has-text('connected')", timeout=30_000)
+    page.wait_for_selector("text=right index", timeout=60_000)
+    # Chromium itself reports each connection that is refused.
+    page.halo_errors[:] = [each for each in page.halo_errors if "ERR_CONNECTION" not in each]
+
+
+def test_from_an_empty_folder_to_a_verified_profile_through_the_page_alone(
+    service: Service, page: Any
+) -> None:
+    open_view(page, service, "setup")
+    page.fill("#profile-name", "stage")
+    page.click("text=Use this name")
+    page.wait_for_selector("text=Still missing: background, touch, sweep")
+    popup = page.context.new_page()
+    popup.goto(f"{service.url}projector.html")
+    popup.wait_for_selector("#size:has-text('pixels')")
+    for step in ("camera", "background", "touch", "sweep", "projector", "verify"):
+        started_s = time.monotonic()
+        page.click(f"[aria-label='Start {step}']")
+        page.wait_for_selector(".prompt.good, .prompt.bad", timeout=STEP_MS)
+        verdict = page.locator(".card:has(.prompt)").inner_text()
+        print(f"{step}: {time.monotonic() - started_s:.0f} s:", *verdict.split())
+        assert page.locator(".prompt.good").count() == 1, verdict
+    page.wait_for_selector("text=The calibration is complete")
+    assert popup.evaluate("document.getElementById('picture').width") == 1280
+    open_view(page, service, "profiles")
+    page.wait_for_selector(".card:has-text('stage') >> text=in use")

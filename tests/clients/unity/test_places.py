@@ -131,7 +131,7 @@ def test_services_are_found_by_name(run_csharp: Run) -> None:
     with closing(Zeroconf(interfaces=["127.0.0.1"], ip_version=IPVersion.V4Only)) as responder:
         responder.register_service(ours)
         responder.register_service(other)
-        found = [each for each in json.loads(run_csharp([], "find", "3")[0]) if run in str(each)]
+        found = [each for each in json.loads(run_csharp([], "find", "2")[0]) if run in str(each)]
     node = f"halo-test-{run}"
     source = f"osc://?hello=127.0.0.1:4299&node={node}"
     assert found == [{"node": node, "surface": "table", "source": source}]

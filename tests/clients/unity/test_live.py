@@ -260,7 +260,7 @@ def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
 def test_a_requested_stream_arrives_and_allocates_nothing(
     program: list[str], tmp_path: Path
 ) -> None:
-    """From a running sender, asked by a hello; the lease is renewed meanwhile."""
+    """From a running sender, requested by a hello; the lease is renewed meanwhile."""
     control = udp_port()
     settings = tmp_path / "halo.toml"
     settings.write_text(

@@ -48,8 +48,8 @@ KINDS = [(type(each).__name__.lower(), each) for each in REPORTS]
 SOURCES = {
     "osc://127.0.0.1:4256": "Osc 127.0.0.1:4256 :0 frames  / False",
     "osc://0.0.0.0:5000?node=desk&surface=table": "Osc 0.0.0.0:5000 :0 frames  desk/table False",
-    "osc://?hello=10.0.0.5": "Osc 0.0.0.0:0 10.0.0.5:4257 frames  / False",
-    "osc://?hello=[::1]:4300&rate=30": "Osc 0.0.0.0:0 ::1:4300 frames,rate=30  / False",
+    "osc://?hello=10.0.0.5": "Osc :0 10.0.0.5:4257 frames  / False",
+    "osc://?hello=[::1]:4300&rate=30": "Osc :0 ::1:4300 frames,rate=30  / False",
     "osc://127.0.0.1:4256/?follow=all": "Osc 127.0.0.1:4256 :0 frames  / True",
     "ws://127.0.0.1:4258/halo": "WebSocket :0 :0 frames ws://127.0.0.1:4258/halo / False",
     "wss://table.example": "WebSocket :0 :0 frames wss://table.example:4258/halo / False",

@@ -42,7 +42,7 @@ namespace HaloTouch.Editor
             return surface;
         }
 
-        // A camera whose picture falls on the table through the projector.
+        // A camera for the projector's picture.
         public static HaloProjectorCamera AddProjectorCamera()
         {
             var surface = AddSurface(null);

@@ -2,7 +2,7 @@ using HaloTouch;
 using UnityEngine;
 
 /// <summary>
-/// Drum pads on the surface: a touch plays the pad under it, its speed is the loudness, and the height
+/// Drum pads on the surface: a touch sounds the pad under it, its speed is the loudness, and the height
 /// of the other fingers bends the pitch. Add it to the object of a Halo Surface and press Play.
 /// </summary>
 [RequireComponent(typeof(HaloSurface))]

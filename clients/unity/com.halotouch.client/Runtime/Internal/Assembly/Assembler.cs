@@ -97,7 +97,7 @@ namespace HaloTouch.Internal
         Stream Open(Part part, in Key key, double nowS, EventQueue events)
         {
             if (_streams.Count >= MaxStreams) CloseAt(QuietestIndex(), events);
-            var stream = new Stream(part, in key, TakeRank(in key), nowS);
+            var stream = new Stream(part, in key, RankOf(in key), nowS);
             _streams.Add(stream);
             ForgetClosedRanks();
             return stream;
@@ -144,7 +144,7 @@ namespace HaloTouch.Internal
         }
 
         // A session that comes back keeps its number.
-        int TakeRank(in Key key)
+        int RankOf(in Key key)
         {
             var rank = 1;
             for (var i = 0; i < _ranks.Count; i++)

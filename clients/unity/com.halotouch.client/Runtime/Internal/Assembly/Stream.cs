@@ -48,12 +48,12 @@ namespace HaloTouch.Internal
             var number = part.Header.Frame;
             if (_hasLast && !IsNewer(number, _last.Number)) return ReceiveLate(part, events);
             var count = 0;
-            if (!_hasPending) Keep(part);
+            if (!_hasPending) SetPending(part);
             else if (IsNewer(number, _pending.Header.Frame))
             {
                 Report(false, events);
                 count++;
-                Keep(part);
+                SetPending(part);
             }
             else if (!Merge(part))
             {
@@ -85,7 +85,7 @@ namespace HaloTouch.Internal
 
         static bool IsNewer(int a, int b) => Ahead(a, b) > 0 && Ahead(a, b) < Modulus / 2;
 
-        void Keep(Part part)
+        void SetPending(Part part)
         {
             _pending.CopyFrom(part);
             _hasPending = true;

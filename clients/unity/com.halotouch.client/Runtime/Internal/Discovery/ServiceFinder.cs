@@ -76,7 +76,7 @@ namespace HaloTouch.Internal
             }
             catch (SocketException)
             {
-                // The network has no multicast now; it is asked again.
+                // The network has no multicast now; the question is repeated.
             }
         }
 

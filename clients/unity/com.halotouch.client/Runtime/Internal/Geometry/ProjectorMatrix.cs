@@ -1,8 +1,8 @@
 namespace HaloTouch.Internal
 {
-    // The projection of a camera above the surface whose image falls on the table through the
-    // projector: each point of the surface lands on the pixel that lights it. What is above or below
-    // the surface is drawn straight down onto it.
+    // The projection of a camera above the surface for the projector's picture: each point of the
+    // surface is drawn on the pixel that lights it. What is above or below the surface is drawn
+    // straight down onto it.
     static class ProjectorMatrix
     {
         // Fills 16 numbers, row by row. The camera is `distanceM` above the middle of the surface and

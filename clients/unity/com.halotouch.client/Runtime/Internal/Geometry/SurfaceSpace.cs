@@ -32,7 +32,7 @@ namespace HaloTouch.Internal
 
     // From the wire's frames (mm, right-handed: x right, y towards the user, z into the surface) to
     // Unity's (m, left-handed: x right, y up from the surface, z towards the far edge). The origin of
-    // the surface in Unity is its middle, so that it stays in place when its size becomes known.
+    // the surface in Unity is its middle, so that it stays in place when its size arrives.
     static class SurfaceSpace
     {
         const float MetresPerMm = 0.001f;
@@ -41,8 +41,8 @@ namespace HaloTouch.Internal
             new Metres(
                 (xMm - widthMm / 2) * MetresPerMm, hoverMm * MetresPerMm, (heightMm / 2 - yMm) * MetresPerMm);
 
-        // The surface as seen from a printed marker, whose axes in Unity are x to its right, y up from
-        // the paper and z to its top.
+        // The surface as seen from a printed marker. The marker's axes in Unity are x to its right,
+        // y up from the paper and z to its top.
         public static Placement InMarker(in HaloMatrix34 anchorFromSurface, float widthMm, float heightMm)
         {
             var r = anchorFromSurface.Rotation;

@@ -17,7 +17,7 @@ namespace HaloTouch.Internal
             "use osc://127.0.0.1:4256, osc://?hello=127.0.0.1:4257, ws://127.0.0.1:4258/halo or FILE.jsonl";
 
         public SourceKind Kind { get; private set; }
-        public string Host { get; private set; } = ""; // where OSC is received
+        public string Host { get; private set; } = ""; // where OSC is received; empty: where the service sees us
         public int Port { get; private set; } // 0: a free one
         public string HelloHost { get; private set; } = ""; // empty: the service sends by its settings
         public int HelloPort { get; private set; }
@@ -61,8 +61,7 @@ namespace HaloTouch.Internal
             var hello = HelloHost.Length > 0;
             Host = ReadPlace(place.TrimEnd('/'), hello ? 0 : DefaultPort, out var found);
             Port = found;
-            // With a hello, each address of this machine can be the one that the service sees.
-            if (Host.Length == 0) Host = hello ? "0.0.0.0" : "127.0.0.1";
+            if (Host.Length == 0 && !hello) Host = "127.0.0.1";
             if (rate.Length > 0) Stream += ",rate=" + rate;
             if (rate.Length > 0 && !hello) throw new InputException("osc: rate needs hello=HOST:PORT");
             return this;

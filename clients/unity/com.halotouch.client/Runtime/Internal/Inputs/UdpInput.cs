@@ -27,13 +27,18 @@ namespace HaloTouch.Internal
         public UdpInput(Source source)
         {
             _source = source;
-            _data = OpenData(source);
-            Port = ((IPEndPoint)_data.LocalEndPoint).Port;
-            if (source.HelloHost.Length > 0)
+            if (source.HelloHost.Length > 0) _control = OpenControl(source);
+            try
             {
-                _control = OpenControl(source);
-                _lease = new Lease(source.Stream, Port);
+                _data = OpenData(source, _control);
             }
+            catch (InputException)
+            {
+                _control?.Close();
+                throw;
+            }
+            Port = ((IPEndPoint)_data.LocalEndPoint).Port;
+            if (_control != null) _lease = new Lease(source.Stream, Port);
             _thread = new Thread(Run) { IsBackground = true, Name = "halo" };
             _thread.Start();
         }
@@ -76,11 +81,23 @@ namespace HaloTouch.Internal
         {
             while (!_closed)
             {
-                if (_control != null) RenewLease();
-                if (!_data.Poll(WaitUs, SelectMode.SelectRead)) continue;
-                var length = _data.Receive(_buffer, 0, LargestBytes, SocketFlags.None, out var error);
-                if (error == SocketError.Success) _ring.Push(_buffer, length, Clock.NowS);
+                try
+                {
+                    if (_control != null) RenewLease();
+                    Receive();
+                }
+                catch (SocketException)
+                {
+                    Thread.Sleep(WaitUs / 1000); // The network is down: it is tried again.
+                }
             }
+        }
+
+        void Receive()
+        {
+            if (!_data.Poll(WaitUs, SelectMode.SelectRead)) return;
+            var length = _data.Receive(_buffer, 0, LargestBytes, SocketFlags.None, out var error);
+            if (error == SocketError.Success) _ring.Push(_buffer, length, Clock.NowS);
         }
 
         void RenewLease()
@@ -96,12 +113,19 @@ namespace HaloTouch.Internal
 
         void Send(OscWriter message)
         {
-            if (message != null) _control.Send(message.Bytes, 0, message.Length, SocketFlags.None, out _);
+            if (message == null) return;
+            _control.Send(message.Bytes, 0, message.Length, SocketFlags.None, out var error);
+            // The error is that of the message before, if no service listened there: this one was not sent.
+            if (error != SocketError.Success)
+                _control.Send(message.Bytes, 0, message.Length, SocketFlags.None, out _);
         }
 
-        static Socket OpenData(Source source)
+        // On the address that is named, or on the one that the service sees.
+        static Socket OpenData(Source source, Socket control)
         {
-            var address = Resolve(source.Host);
+            var address = source.Host.Length > 0
+                ? Resolve(source.Host)
+                : ((IPEndPoint)control.LocalEndPoint).Address;
             var socket = new Socket(address.AddressFamily, SocketType.Dgram, ProtocolType.Udp);
             try
             {
@@ -113,7 +137,7 @@ namespace HaloTouch.Internal
             {
                 socket.Close();
                 throw new InputException(
-                    "cannot listen on UDP port " + source.Port + " of " + source.Host + " (" +
+                    "cannot listen on UDP port " + source.Port + " of " + address + " (" +
                     error.SocketErrorCode + "): close the other program that uses it, or choose another port");
             }
         }

@@ -34,7 +34,7 @@ namespace HaloTouch.Internal
         }
     }
 
-    // The reports that are kept between frames. Bounded: the surface with the oldest report goes.
+    // The newest reports of each surface. Bounded: the surface with the oldest report is removed.
     sealed class KnownReports
     {
         const int MaxSurfaces = 64;

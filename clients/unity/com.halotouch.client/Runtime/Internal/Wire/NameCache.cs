@@ -2,7 +2,7 @@ namespace HaloTouch.Internal
 {
     enum NameKind { Node, Session, Version }
 
-    // Names of nodes, surfaces, sessions and versions as strings, each made once. Bounded: forged
+    // Names of nodes, surfaces, sessions and versions as strings, each created once. Bounded: forged
     // names replace the oldest.
     sealed class NameCache
     {

@@ -177,6 +177,10 @@ class Diagnostics:
     """As in `Signal`; nan where it is hidden, and for methods that read none."""
     probability: float = math.nan
     """That the finger touches, by this frame alone; nan for methods that compute none."""
+    height_deviation_mm: float = math.nan
+    """Standard deviation of `hover_mm`; nan in touch, where unknown and for methods without one."""
+    force_deviation_g: float = math.nan
+    """Standard deviation of `force_g`; nan in the air, likewise."""
 
 
 @dataclass(frozen=True, slots=True)

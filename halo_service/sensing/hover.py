@@ -45,8 +45,8 @@ LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
 
-def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
-    """Return the pad's height, mm, at least 0.
+def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> tuple[float, float]:
+    """Return the pad's height, at least 0, and its standard deviation, mm; inf where unknown.
 
     The mean of two estimates, each weighted by its variance: from the halo, on a falling curve
     through the held states; and from the finger's own depth, as it read in these states. Above the
@@ -54,15 +54,18 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> float:
     """
     own_mm, own_deviation_mm = own_height(tip, states)
     if signal.hidden or not states.hover.readings:
-        return max(own_mm, 0.0) if math.isfinite(own_mm) else ONSET_MM
+        seen = math.isfinite(own_mm)
+        return (max(own_mm, 0.0), own_deviation_mm) if seen else (ONSET_MM, math.inf)
     halo_mm, halo_deviation_mm, share = _halo_height(signal, states)
     if math.isnan(own_mm):
-        return halo_mm
+        return halo_mm, halo_deviation_mm
     if math.isinf(own_deviation_mm):
-        return share * halo_mm + (1.0 - share) * max(own_mm, states.hover.height_mm)
+        faded_mm = (1.0 - share) * max(own_mm, states.hover.height_mm)
+        return share * halo_mm + faded_mm, halo_deviation_mm if share > 0.0 else math.inf
     weight = share / halo_deviation_mm**2
     own_weight = 1.0 / own_deviation_mm**2
-    return max((weight * halo_mm + own_weight * own_mm) / (weight + own_weight), 0.0)
+    height_mm = (weight * halo_mm + own_weight * own_mm) / (weight + own_weight)
+    return max(height_mm, 0.0), (weight + own_weight) ** -0.5
 
 
 def _halo_height(signal: Signal, states: TouchStates) -> tuple[float, float, float]:

@@ -13,7 +13,13 @@ from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
 from halo_service.sensing.detector import Detector
 from halo_service.sensing.hover import hover_height
-from halo_service.sensing.pressure import FORCE_UNKNOWN_G, force, touch_pressure
+from halo_service.sensing.pressure import (
+    FORCE_UNKNOWN_G,
+    force,
+    knows_force,
+    touch_force,
+    touch_pressure,
+)
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import (
     Contact,
@@ -141,23 +147,26 @@ def describe(
     states: TouchStates,
 ) -> Pointer:
     """Return the pointer without its velocity, which is computed afterwards."""
-    pressure = touch_pressure(signal, states) if contact.touching else 0.0
+    touching = contact.touching
+    pressure = touch_pressure(signal, states) if touching else 0.0
+    deviation_g = touch_force(signal, states)[1] if touching and knows_force(states) else math.nan
+    hover_mm, deviation_mm = (0.0, math.nan) if touching else hover_height(signal, tip, states)
     return Pointer(
         id=id,
         slot=slot,
         side=tip.side,
         finger=tip.finger,
-        state=Touch.TOUCH if contact.touching else Touch.HOVER,
+        state=Touch.TOUCH if touching else Touch.HOVER,
         x_mm=tip.pad_mm[0],
         y_mm=tip.pad_mm[1],
-        hover_mm=0.0 if contact.touching else hover_height(signal, tip, states),
+        hover_mm=hover_mm,
         pressure=pressure,
-        force_g=force(pressure, states) if contact.touching else _no_force(states),
+        force_g=force(pressure, states) if touching else _no_force(states),
         vx_mm_s=0.0,
         vy_mm_s=0.0,
         confidence=tip.confidence
         * (HIDDEN_CONFIDENCE if signal.hidden else 1.0)
-        * (detector.probability if contact.touching else 1.0 - detector.probability),
+        * (detector.probability if touching else 1.0 - detector.probability),
         contacts=contact.count,
         diagnostics=Diagnostics(
             camera_mm=tip.camera_mm,
@@ -170,6 +179,8 @@ def describe(
             yaw_deg=tip.yaw_deg,
             dent_mm=signal.dent_mm,
             probability=detector.probability,
+            height_deviation_mm=deviation_mm,
+            force_deviation_g=deviation_g,
         ),
     )
 

@@ -64,10 +64,15 @@ def read_force(signal: Signal, states: TouchStates) -> tuple[float, float]:
 
 def force(pressure: float, states: TouchStates) -> float:
     """Return grams if the calibration states its forces, else -1."""
-    if states.touch.force_g < 0.0 or states.pressure.force_g < 0.0:
+    if not knows_force(states):
         return FORCE_UNKNOWN_G
     span_g = states.pressure.force_g - states.touch.force_g
     return states.touch.force_g + (0.0 if pressure <= LEAST_PRESSURE else pressure) * span_g
+
+
+def knows_force(states: TouchStates) -> bool:
+    """Return whether the calibration states its forces."""
+    return states.touch.force_g >= 0.0 and states.pressure.force_g >= 0.0
 
 
 def _forces(states: TouchStates) -> tuple[float, float]:

@@ -71,7 +71,7 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
 
 DIAGNOSTICS = (
     "camera_mm", "tip_px", "halo", "halo_corrected", "level", "top_mm", "pitch_deg", "yaw_deg",
-    "dent_mm", "probability",
+    "dent_mm", "probability", "height_deviation_mm", "force_deviation_g",
 )  # fmt: skip
 
 

@@ -306,7 +306,7 @@ def test_a_delayed_up_has_the_time_of_its_first_frame() -> None:
 )
 def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: float) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(signal(dent_mm), tip, dented) == pytest.approx(height_mm)
+    assert hover_height(signal(dent_mm), tip, dented)[0] == pytest.approx(height_mm)
 
 
 def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
@@ -316,7 +316,7 @@ def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
     dents = [0.0] * 10 + [0.02 * n for n in range(551)]
     own = [35.0 + 3.0 - n for n in range(10)] + [24.0] * 551
     tips = [tip_at(320, 288, 14.0 + mm) for mm in own]
-    heights = [hover_height(signal(d), t, dented) for d, t in zip(dents, tips, strict=True)]
+    heights = [hover_height(signal(d), t, dented)[0] for d, t in zip(dents, tips, strict=True)]
     falls = -np.diff(heights)
     assert np.all(falls >= -1e-9)
     assert falls.max() <= 5.0
@@ -335,24 +335,33 @@ def test_both_estimates_of_a_height_agree_in_the_held_states(
     topped: TouchStates, dent_mm: float, top_mm: float, height_mm: float
 ) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(signal(dent_mm), tip, topped) == pytest.approx(height_mm, abs=0.05)
+    assert hover_height(signal(dent_mm), tip, topped)[0] == pytest.approx(height_mm, abs=0.05)
 
 
 def test_the_estimate_with_the_smaller_variance_counts_more(topped: TouchStates) -> None:
     tip = tip_at(320, 288, 25.0)  # 15 mm by its own depth, 10 by a steady halo
     turned = replace(tip, pitch_deg=65.0)
-    steady = hover_height(signal(5.0), tip, topped)
+    steady = hover_height(signal(5.0), tip, topped)[0]
     noisy = replace(
         topped,
         hover=replace(topped.hover, noise=(1e6, 2.0, 1.2, 0.6)),
         subtle=replace(topped.subtle, noise=(1e6, 2.0, 1.2, 0.6)),
     )
-    assert 10.0 < hover_height(signal(5.0), turned, topped) < steady < 11.0
-    assert 12.0 < hover_height(signal(5.0), tip, noisy) < 15.0
+    assert 10.0 < hover_height(signal(5.0), turned, topped)[0] < steady < 11.0
+    assert 12.0 < hover_height(signal(5.0), tip, noisy)[0] < 15.0
+
+
+def test_two_estimates_of_a_height_are_surer_than_each(topped: TouchStates) -> None:
+    tip = tip_at(320, 288, 20.0)
+    _, both_mm = hover_height(signal(5.0), tip, topped)
+    _, halo_mm = hover_height(signal(5.0), tip_at(320, 288, NAN), topped)
+    _, own_mm = hover_height(signal(NAN), tip, topped)
+    assert 0.0 < both_mm < min(halo_mm, own_mm)
+    assert hover_height(signal(NAN), tip_at(320, 288, NAN), topped) == (21.0, math.inf)
 
 
 def test_above_the_halo_the_own_depth_counts_alone(topped: TouchStates) -> None:
-    assert hover_height(signal(0.0), tip_at(320, 288, 45.0), topped) == pytest.approx(35.0)
+    assert hover_height(signal(0.0), tip_at(320, 288, 45.0), topped)[0] == pytest.approx(35.0)
 
 
 @pytest.mark.parametrize(
@@ -392,7 +401,7 @@ def test_the_angle_between_a_finger_and_the_line_of_sight(
 
 def test_states_without_a_dent_leave_the_height_to_the_depth(profile: Profile) -> None:
     assert profile.touch is not None
-    assert hover_height(signal(7.0, 900.0), tip_at(320, 288, 20.0), profile.touch) == 6.0
+    assert hover_height(signal(7.0, 900.0), tip_at(320, 288, 20.0), profile.touch)[0] == 6.0
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,8 @@ QUIET_S = 3.0
 """Between two faults: touches are counted."""
 TAPS_HZ = 2.0
 WARM_UP_S = 20.0
+FIRST_FAULTS_S = 300.0
+"""Memory is compared from then on: each fault takes some the first times that it happens."""
 GROWTH = 0.02
 """Of memory, after warm-up."""
 LEAKED_MB = 100
@@ -281,10 +283,10 @@ class Evening:
             if warm and time.monotonic() - began_s > seconds:
                 break
             self._others()
-            if not warm:
-                warm, self._warm = True, self._usage()
             megabytes, files = self._usage()
             after_s = time.monotonic() - began_s
+            if not warm and after_s > min(FIRST_FAULTS_S, seconds / 2):
+                warm, self._warm = True, (megabytes, files)
             print(f"after {after_s:.0f} s: {megabytes:.1f} MB, {files} files", flush=True)
         used = self._usage()
         self.memory_mb = (self._warm[0], used[0])

@@ -80,9 +80,11 @@ class FrameEncoder:
         )
 
     def _due_again(self, now_us: int) -> Iterator[tuple[int, TouchEvent]]:
-        """Yield the events that are sent for the last time."""
-        while self._later and now_us - self._later[0][0] >= self._again_us:
-            yield self._later.popleft()
+        """Yield the events that are sent for the last time; none after time went back."""
+        while self._later and not 0 <= now_us - self._later[0][0] < self._again_us:
+            since_us, event = self._later.popleft()
+            if since_us <= now_us:
+                yield since_us, event
 
 
 def pointer_message(pointer: Pointer, touch_frame: TouchFrame) -> wire.Pointer:

@@ -30,6 +30,7 @@ POINTER = Pointer(
     3,
     NOTHING,
 )
+NEXT = TouchEvent("down", 8, 1, 150.0, 50.0, 300.0, 12.0, 1)
 DOWN = TouchEvent("down", 7, 0, 150.0, 50.0, 300.0, 12.0, 3)
 
 
@@ -93,6 +94,16 @@ def test_with_one_copy_more_a_wifi_that_pauses_for_300_ms_hides_no_hit(pause_fro
                     assert isinstance(event, wire.TouchFrame)
                     found += [type(each).__name__ for each in event.events]
     assert found == ["Down", "Up"]
+
+
+def test_after_time_went_back_old_events_are_forgotten_and_new_ones_sent_again() -> None:
+    frames = FrameEncoder("desk", "s1", 0, again_ms=400.0)
+    frames.encode(touch_frame(200, (POINTER,), DOWN))
+    sent = [frames.encode(touch_frame(n, (), *([NEXT] if n == 3 else []))) for n in range(30)]
+    assert [n for n, each in enumerate(sent) if NEXT.id in {down.id for down in each.downs}] == [
+        3, 4, 5, 16,
+    ]  # fmt: skip
+    assert all(down.id == NEXT.id for each in sent[2:] for down in each.downs)
 
 
 def test_the_session_time_starts_at_the_first_frame() -> None:

@@ -11,9 +11,7 @@ import numpy as np
 from halo_service.files import from_home
 from halo_service.geometry.camera import Camera
 from halo_service.hand_tracking.blend import ColourWarp, blend
-from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
-from halo_service.hand_tracking.region_tracker import RegionTracker
 from halo_service.profile import Profile
 from halo_service.runtime.pace import paced_by_depth
 from halo_service.settings import TrackingSettings
@@ -65,6 +63,8 @@ class _WholeImage:
 
     def __init__(self, camera: Camera, model: Path, max_hands: int) -> None:
         shape = (camera.depth.height, camera.depth.width)
+        from halo_service.hand_tracking.hands import HandTracker  # costs half a second to import
+
         self._tracker = HandTracker(model, max_hands=max_hands)
         self._warp = ColourWarp(camera, np.full(shape, ASSUMED_MM, np.float32))
 
@@ -88,5 +88,7 @@ def _has_background(profile: Profile | None) -> TypeGuard[Profile]:
 def _tracker(camera: Camera, profile: Profile | None, model: Path, max_hands: int) -> _Tracker:
     if not _has_background(profile):
         return _WholeImage(camera, model, max_hands)
+    from halo_service.hand_tracking.region_tracker import RegionTracker  # likewise
+
     background = profile.background
     return RegionTracker(model, background.mean_mm, background.valid, camera.depth.fx, max_hands)

@@ -1,8 +1,8 @@
 """Find hands: MediaPipe's Hand Landmarker on one image after the other.
 
 Rule: only this module knows MediaPipe's interface. It follows a hand from one image to the next,
-so one tracker gets one video; the same video gives the same hands. The import takes a second: do
-it only where hands are needed.
+so one tracker gets one video; the same video gives the same hands. The import takes half a second:
+do it only where hands are needed.
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from mediapipe import Image, ImageFormat
-from mediapipe.tasks.python import BaseOptions, vision
-from mediapipe.tasks.python.components.containers.landmark import NormalizedLandmark
 
 from halo_service.errors import UserError
 from halo_service.hand_tracking.blend import Picture
-from halo_service.hand_tracking.quiet import without_known_noise
+from halo_service.hand_tracking.quiet import without_known_noise, without_plotting
 from halo_service.values import Hand, Pixels, Side, Tracked
+
+with without_plotting():
+    from mediapipe import Image, ImageFormat
+    from mediapipe.tasks.python import BaseOptions, vision
+    from mediapipe.tasks.python.components.containers.landmark import NormalizedLandmark
 
 # A right hand seen from above, palm down, is called "Right": no mirror as in a webcam's image.
 _SIDES = {"Left": Side.LEFT, "Right": Side.RIGHT}

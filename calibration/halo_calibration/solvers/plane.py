@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.linear_model import LinearRegression, RANSACRegressor
 
 from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.image_places import largest
 from halo_service.geometry.camera import Camera, Points
 from halo_service.geometry.surface import Surface, from_view
 from halo_service.profile import Background
+
+if TYPE_CHECKING:
+    from sklearn.linear_model import LinearRegression
 
 STEP_PX = 4
 """Every fourth pixel in both directions: 20,000 points determine a plane well enough."""
@@ -122,6 +125,8 @@ def _central(camera: Camera, px: Points) -> NDArray[np.bool_]:
 
 def _ransac(points: Points) -> tuple[Points, float]:
     """Return normal and offset, mm, of the plane on which most of (N, 3) points lie."""
+    from sklearn.linear_model import RANSACRegressor  # costs a second to import
+
     ransac = RANSACRegressor(
         min_samples=3,
         residual_threshold=REACH_MM,
@@ -139,6 +144,8 @@ def _refined(points: Points, normal: Points, offset: float) -> tuple[Points, flo
     RANSAC alone counts points within `REACH_MM`, so a book 10 mm high tilts its plane by 0.4
     degrees; the weights leave the book out.
     """
+    from sklearn.linear_model import LinearRegression  # costs a second to import
+
     for _ in range(ROUNDS):
         off = points @ normal - offset
         near = np.abs(off) < 3.0 * REACH_MM

@@ -48,6 +48,8 @@ class Detection:
     it often looks bent, so this starts a track, but its lack ends none."""
     hand_px: NDArray[np.float64]
     """(21, 2) the landmarks of its hand."""
+    place_mm: Pixel
+    """The tip in millimetres of the surface, along the image's rows and columns."""
 
 
 def detections(
@@ -100,6 +102,7 @@ def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detect
         scale.px_per_mm(_pixel(joint)),
         _extended(hand, finger),
         hand.landmarks_px,
+        _pixel(end / scale.on_surface),
     )
 
 

@@ -21,7 +21,7 @@ from halo_service.sensing.label_pixels import (
     without_others,
 )
 from halo_service.sensing.ridge import height_behind
-from halo_service.sensing.scale import Scale
+from halo_service.sensing.scale import Scale, on_surface
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import (
@@ -31,14 +31,17 @@ from halo_service.sensing.tracks import (
     detection_at,
     is_better,
     is_there,
+    last_top_mm,
     predict,
-    was_at,
+    went_px,
 )
 from halo_service.values import Fingertip, Frame
 
 LEAST_TOP_MM, JOINT_MM = 5.0, 20.0
 """2 cm behind its end a finger's upper side is higher than this, or infrared shows it: skin reads
 too far, by more than a flat finger is thick. What is lower and does not show is surface."""
+RISE_MM_S = 600.0
+"""A fingertip rises slower (chosen: people lift at 0.4 m/s)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,9 +50,9 @@ class Scene:
 
     frame: Frame
     places: tuple[Prediction, ...]
-    """From each track's own path."""
+    """From each track's own motion."""
     claims: tuple[Prediction | None, ...]
-    """From recent detections, for tracks that have a path."""
+    """From recent detections, for tracks that a frame has shown."""
     segmentation: Segmentation
     """The part around all of these places."""
     labels: Labels
@@ -65,7 +68,7 @@ class Found:
     own: Segmentation
     """The pixels that belong to this finger."""
     followed: bool
-    """Found along its path rather than at its new detection."""
+    """Found at its predicted place rather than at its new detection."""
 
 
 def look(
@@ -77,14 +80,15 @@ def look(
 ) -> Scene:
     """Segment what is around the fingers. `drift_mm`: see `excess_depth`."""
     profile = scale.profile
-    places = tuple(_scaled(predict(finger, frame.time_us), scale) for finger in fingers)
-    claimed = (claim(finger, frame.time_us) for finger in fingers)
+    now_us, size = frame.time_us, scale.on_surface
+    places = tuple(_scaled(predict(finger, now_us, size), scale) for finger in fingers)
+    claimed = (claim(finger, now_us, size) for finger in fingers)
     claims = tuple(each and _scaled(each, scale) for each in claimed)
     part = around((*places, *(each for each in claims if each)), frame.depth.shape)
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
     rows, columns = part
     threshold_mm = profile.halo_threshold_mm
-    solid = infrared_silhouette(frame.ir, profile.background, excess_mm, scale.on_surface, part)
+    solid = infrared_silhouette(frame.ir, profile.background, excess_mm, size, part)
     segmentation = segment(excess_mm, settings, threshold_mm, solid, columns.start, rows.start)
     return Scene(
         frame, places, claims, segmentation, label_pixels(places, segmentation), profile, settings
@@ -96,10 +100,10 @@ def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found
     expected, claimed = scene.places[number], scene.claims[number]
     own = _own(finger, number, expected, scene)
     tip = _tip(finger, expected, own, scene, states)
-    if claimed is not None and (tip is None or finger.off_path):
+    if claimed is not None and (tip is None or finger.off_place):
         there = _own(finger, number, claimed, scene)
         seen = _tip(finger, claimed, there, scene, states)
-        if seen and is_there(finger, claimed, expected, seen) and is_better(finger, seen, tip):
+        if seen and is_there(claimed, seen) and is_better(finger, seen, tip):
             return Found(seen, there, followed=False)
     if tip is None:
         farther = replace(expected, place=strip_end(own, expected.place))
@@ -110,12 +114,11 @@ def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found
 def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segmentation:
     """Return the pixels around a place that belong to no other finger."""
     pixels = pixels_of(scene.segmentation, scene.labels, number, place)
-    seen = finger.detection
-    if scene.frame.time_us - seen.time_us > CLAIM_US:
+    now_us = scene.frame.time_us
+    if now_us - finger.detection.time_us > CLAIM_US:
         return pixels  # the bones are too old to label pixels
-    then = was_at(finger.path, seen.time_us).tip_px if finger.path else seen.tip_px
-    now = scene.places[number].place.tip_px
-    return without_others(pixels, seen, (now[0] - then[0], now[1] - then[1]))
+    went = went_px(finger, now_us, on_surface(scene.profile))
+    return without_others(pixels, finger.detection, went)
 
 
 def _scaled(prediction: Prediction, scale: Scale) -> Prediction:
@@ -139,6 +142,11 @@ def _tip(
         states.finger_thickness_mm,
         states.tip_radius_mm,
     )
+    if math.isnan(tip.width_mm) and math.isnan(tip.top_mm):
+        return None  # a finger moved away from there faster than it was predicted
+    unshown_s = (scene.frame.time_us - finger.shown_us) / 1e6
+    if tip.top_mm > last_top_mm(finger) + RISE_MM_S * unshown_s:  # false for nan
+        return None  # another hand passes over it
     there = place.place._replace(tip_px=tip.tip_px)
     behind_mm = height_behind(own, there, JOINT_MM)
     lies = behind_mm < LEAST_TOP_MM and not _in_infrared(own, there)  # false for nan: unmeasured

@@ -20,17 +20,16 @@ from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
 from halo_service.sensing.pointers import describe, edge, follow, within_reach
 from halo_service.sensing.readings import readings
-from halo_service.sensing.scale import Scale
+from halo_service.sensing.scale import Scale, on_surface
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import (
-    Past,
     Track,
-    along,
     changes,
     coast,
     is_abandoned,
+    measured,
     tracker_confidence,
 )
 from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame, Tracked
@@ -102,7 +101,7 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
         pointer.confidence * tracker_confidence(before, now_us) * edge(pointer, profile.surface)
     )
     return replace(
-        along(before, Past(now_us, tip.tip_px), tip.px_per_mm, found.followed),
+        measured(before, now_us, tip, found.followed, on_surface(profile)),
         pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s, confidence=confidence),
         detector=detector,
         debounce=bounced,

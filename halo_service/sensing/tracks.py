@@ -1,33 +1,40 @@
 """One track for each finger: its state from frame to frame, and its predicted place.
 
-The hand tracker reports that there is a finger, which one, and roughly where. From then on the
-depth image gives its place. The hand tracker loses a hand in every tenth frame, sees one twice, or
-confuses left and right; a finger must keep its place, id and touch all the same.
+The hand tracker reports that there is a finger, which one, and roughly where, some frames late.
+From then on the depth image gives its place. The hand tracker loses a hand in every tenth frame,
+sees one twice, or confuses left and right; a finger must keep its place, id and touch all the same.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum, auto
 
 from halo_service.sensing.debounce import Debounce
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.detector import Detector
 from halo_service.sensing.finger_frame import FingerFrame, Pixel, unit
+from halo_service.sensing.kalman import Kalman, Place, born, corrected, predicted
 from halo_service.sensing.label_pixels import Prediction
 from halo_service.sensing.pointers import Motion
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
+LANDMARK_MM, TIP_MM, UNCLEAR_TIP_MM = 8.0, 1.0, 3.0
+"""Standard deviations of the tracker's tips (measured on virtual hands at 0.5 m: 4 mm off at the
+median, 28 at worst), and of tips in the depth image, with and without two clear sides."""
 LOWER_MM = 8.0
 """Of two possible places the fingertip is lower than a knuckle by this (chosen: half a finger's
 thickness)."""
 REMEMBERED = 8
-"""Past tips per track: the slowest tracker's delay at 30 frames a second."""
+"""Past states per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
 """Greatest age of a detection that gives a finger's place (chosen: a slow tracker's delay)."""
 BESIDE_MM = 12.0
 """The tracker's tips are rarely farther off; a neighbour's middle is 18 mm away (chosen)."""
+STRAYED_MM = 30.0
+"""A detection farther off than this is an error, or another finger is followed."""
 INSISTS = 4
 """Detections in a row: tracker errors are single, or in runs when hands overlap (chosen)."""
 MOVED_MM = 5.0
@@ -40,16 +47,17 @@ UNDETECTED_CONFIDENCE, ELSEWHERE_CONFIDENCE = 0.6, 0.6
 """Factors for a finger without a recent detection, and for one detected elsewhere."""
 UNSHOWN_CONFIDENCE = 0.4
 """Factor for each frame that does not show the finger."""
-GAP_FRAMES = 2.0
-"""Over a gap in time a finger is predicted by at most this many of its last steps."""
 
 
-@dataclass(frozen=True, slots=True)
-class Past:
-    """Where a tip was."""
+class Phase(Enum):
+    """What a track rests on."""
 
-    time_us: int
-    tip_px: Pixel
+    TENTATIVE = auto()
+    """A detection alone."""
+    CONFIRMED = auto()
+    """The last frame shows it."""
+    COASTING = auto()
+    """The last frames do not show it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +74,20 @@ class Track:
     """At its depth, as it was last measured."""
     votes: int
     """For a right hand minus those for a left one, over the last detections."""
+    history: tuple[Kalman, ...]
+    """The states after its measurements, oldest first, at most `REMEMBERED`: by the depth image,
+    by detections while no frame shows it."""
     shown_us: int
     """When the depth image last showed it."""
-    off_path: int = 0
-    """Detections in a row that are off its path."""
-    contradicted: int = 0
-    """Detections in a row that contradict its path."""
+    phase: Phase = Phase.TENTATIVE
+    off_mm: float = 0.0
+    """How far the last detection is from where the finger was then."""
+    off_place: int = 0
+    """Detections in a row that are another finger's place."""
     pointer: Pointer | None = None
     """As last published; None for a new track."""
-    path: tuple[Past, ...] = ()
-    """Its tips, oldest first, at most `REMEMBERED`."""
-    moved: Past | None = None
-    """Where it was when it last moved."""
+    moved: Kalman | None = None
+    """Its state when it last moved."""
     detector: Detector | None = None
     debounce: Debounce = Debounce()  # noqa: RUF009 - frozen, so one default serves all
     motion: Motion = Motion()  # noqa: RUF009
@@ -87,53 +97,66 @@ class Track:
         """Left or right, by majority."""
         return Side.UNKNOWN if self.votes == 0 else Side.RIGHT if self.votes > 0 else Side.LEFT
 
+    @property
+    def strayed(self) -> bool:
+        """Whether the last detection contradicts its place."""
+        return self.off_mm > STRAYED_MM
 
-def predict(finger: Track, time_us: int) -> Prediction:
-    """Return a finger's predicted place: by its own path, for a new track by its detection."""
-    tip = finger.detection.tip_px
-    if finger.path:
-        tip = _moved(finger.path[-1].tip_px, _ahead(finger.path, time_us))
-    top_mm = finger.pointer.diagnostics.top_mm if finger.path and finger.pointer else math.nan
-    return Prediction(FingerFrame(tip, finger.direction, finger.px_per_mm), top_mm)
-
-
-def claim(finger: Track, time_us: int) -> Prediction | None:
-    """Return the detected place of a finger, None without a recent detection."""
-    if not finger.path or time_us - finger.detection.time_us > CLAIM_US:
-        return None
-    tip, joint = finger.detection.tip_px, finger.detection.distal_px
-    return Prediction(FingerFrame(tip, unit(joint, tip), finger.detection.px_per_mm), math.nan)
+    def at(self, time_us: int) -> Kalman:
+        """Return its state at a time: predicted, or the one of its history that is nearest."""
+        last = self.history[-1]
+        if time_us >= last.time_us:
+            return predicted(last, time_us)
+        return min(self.history, key=lambda past: abs(past.time_us - time_us))
 
 
-def is_there(finger: Track, claimed: Prediction, expected: Prediction, seen: Fingertip) -> bool:
-    """Return whether a tip is at its detected place, or as far off as the finger moved since.
+def predict(finger: Track, time_us: int, px_per_mm: float) -> Prediction:
+    """Return a finger's predicted place; `px_per_mm`: on the surface."""
+    tip = _pixel(finger.at(time_us).place_mm, px_per_mm)
+    return Prediction(FingerFrame(tip, finger.direction, finger.px_per_mm), last_top_mm(finger))
 
-    A tip farther from that place is a knuckle or another finger.
+
+def last_top_mm(finger: Track) -> float:
+    """Return the height of a finger's upper side when it was last shown; nan where unknown."""
+    return finger.pointer.diagnostics.top_mm if finger.pointer else math.nan
+
+
+def claim(finger: Track, time_us: int, px_per_mm: float) -> Prediction | None:
+    """Return the detected place of a finger, moved on as the finger itself since.
+
+    None without a recent detection; `px_per_mm`: on the surface.
     """
-    then = (
-        was_at(finger.path, finger.detection.time_us)
-        if finger.path
-        else Past(0, expected.place.tip_px)
+    seen = finger.detection
+    if finger.phase is Phase.TENTATIVE or time_us - seen.time_us > CLAIM_US:
+        return None
+    dx, dy = went_px(finger, time_us, px_per_mm)
+    tip = seen.tip_px[0] + dx, seen.tip_px[1] + dy
+    return Prediction(FingerFrame(tip, unit(seen.distal_px, seen.tip_px), seen.px_per_mm), math.nan)
+
+
+def went_px(finger: Track, time_us: int, px_per_mm: float) -> Pixel:
+    """Return how far a finger went since its last detection; `px_per_mm`: on the surface."""
+    (x, y), (was_x, was_y) = (
+        finger.at(each).place_mm for each in (time_us, finger.detection.time_us)
     )
-    went_px = math.dist(expected.place.tip_px, then.tip_px)
-    beside_px = BESIDE_MM * finger.px_per_mm
-    return math.dist(seen.tip_px, claimed.place.tip_px) < beside_px + went_px
+    return _pixel((x - was_x, y - was_y), px_per_mm)
 
 
-def was_at(path: tuple[Past, ...], time_us: int) -> Past:
-    """Return where a finger was at a time, or next to it."""
-    return min(path, key=lambda past: abs(past.time_us - time_us))
+def is_there(claimed: Prediction, seen: Fingertip) -> bool:
+    """Return whether a tip is at a detected place; one farther off is a knuckle or a neighbour."""
+    place = claimed.place
+    return math.dist(seen.tip_px, place.tip_px) < BESIDE_MM * place.px_per_mm
 
 
 def is_better(finger: Track, claimed: Fingertip, followed: Fingertip | None) -> bool:
-    """Return whether the detected place is right rather than the one along the path.
+    """Return whether the detected place is right rather than the predicted one.
 
     A fingertip is below the knuckles of its hand: the lower of two places is accepted at once, one
     as low after several detections, a higher one never.
     """
     if followed is None:
         return True
-    lower_mm = LOWER_MM if finger.off_path < INSISTS else -LOWER_MM
+    lower_mm = LOWER_MM if finger.off_place < INSISTS else -LOWER_MM
     return claimed.top_mm < followed.top_mm - lower_mm
 
 
@@ -150,13 +173,40 @@ def detection_at(finger: Track, place: FingerFrame) -> Detection:
     )
 
 
-def along(finger: Track, now: Past, px_per_mm: float, followed: bool) -> Track:
-    """Return a finger with its tip in the present frame; `followed`: found along its path."""
+def detected(finger: Track, place_mm: Place, time_us: int) -> tuple[Kalman, ...]:
+    """Return the history of a track after a late detection, at the detection's own time.
+
+    It corrects what no frame shows; a measured tip is ten times as exact.
+    """
+    if finger.phase is not Phase.COASTING or time_us <= finger.history[-1].time_us:
+        return finger.history
+    state = corrected(finger.at(time_us), place_mm, LANDMARK_MM)
+    return (*finger.history, state)[-REMEMBERED:]
+
+
+def measured(finger: Track, time_us: int, tip: Fingertip, followed: bool, scale: float) -> Track:
+    """Return a track corrected by its tip in the present frame.
+
+    `followed`: found at its predicted place, so that its motion goes on; `scale`: px a mm on the
+    surface.
+    """
+    place_mm = tip.tip_px[0] / scale, tip.tip_px[1] / scale
+    sigma_mm = TIP_MM if math.isfinite(tip.width_mm) else UNCLEAR_TIP_MM
+    if followed and finger.phase is not Phase.TENTATIVE:
+        before, state = finger.history, corrected(finger.at(time_us), place_mm, sigma_mm)
+    else:
+        before, state = (), born(time_us, place_mm, sigma_mm)
     moved = finger.moved
-    if moved is None or math.dist(moved.tip_px, now.tip_px) > MOVED_MM * px_per_mm:
-        moved = now
-    path = (*(finger.path if followed else ()), now)[-REMEMBERED:]
-    return replace(finger, path=path, moved=moved, px_per_mm=px_per_mm, shown_us=now.time_us)
+    if moved is None or math.dist(moved.place_mm, state.place_mm) > MOVED_MM:
+        moved = state
+    return replace(
+        finger,
+        history=(*before, state)[-REMEMBERED:],
+        shown_us=time_us,
+        phase=Phase.CONFIRMED,
+        moved=moved,
+        px_per_mm=tip.px_per_mm,
+    )
 
 
 def is_abandoned(finger: Track, time_us: int) -> bool:
@@ -171,7 +221,7 @@ def tracker_confidence(finger: Track, time_us: int) -> float:
     """Return the factor for a finger that the tracker does not confirm at its place."""
     if time_us - finger.detection.time_us > CLAIM_US:
         return UNDETECTED_CONFIDENCE
-    return ELSEWHERE_CONFIDENCE if finger.contradicted else 1.0
+    return ELSEWHERE_CONFIDENCE if finger.strayed else 1.0
 
 
 def coast(finger: Track, time_us: int, settings: SensingSettings) -> Track | None:
@@ -180,19 +230,12 @@ def coast(finger: Track, time_us: int, settings: SensingSettings) -> Track | Non
     if pointer is None or time_us - finger.shown_us > 1000.0 * settings.lost_after_ms:
         return None
     unsure = pointer.confidence * UNSHOWN_CONFIDENCE
-    return replace(finger, pointer=replace(pointer, vx_mm_s=0.0, vy_mm_s=0.0, confidence=unsure))
+    still = replace(pointer, vx_mm_s=0.0, vy_mm_s=0.0, confidence=unsure)
+    return replace(finger, phase=Phase.COASTING, pointer=still)
 
 
-def _ahead(path: tuple[Past, ...], time_us: int) -> Pixel:
-    """Return how far a tip moves from its last place at its last speed, px."""
-    last, before = path[-1], path[max(len(path) - 2, 0)]
-    steps = (time_us - last.time_us) / max(last.time_us - before.time_us, 1)
-    steps = min(steps, GAP_FRAMES) if len(path) > 1 else 0.0
-    return steps * (last.tip_px[0] - before.tip_px[0]), steps * (last.tip_px[1] - before.tip_px[1])
-
-
-def _moved(place: Pixel, by: Pixel) -> Pixel:
-    return place[0] + by[0], place[1] + by[1]
+def _pixel(place_mm: Place, px_per_mm: float) -> Pixel:
+    return place_mm[0] * px_per_mm, place_mm[1] * px_per_mm
 
 
 def changes(before: Track, now: Track | None) -> tuple[TouchEvent, ...]:

@@ -105,7 +105,7 @@ def hand(apart: float) -> NDArray[np.float64]:
 def detected(apart: float) -> Detection:
     at = (float(TIP[0]), float(TIP[1]))
     joint = (at[0], at[1] + 25.0)
-    return Detection(0, Side.RIGHT, Finger.INDEX, at, joint, 0.9, 1.0, True, hand(apart))
+    return Detection(0, Side.RIGHT, Finger.INDEX, at, joint, 0.9, 1.0, True, hand(apart), at)
 
 
 @pytest.mark.parametrize("moved", [(0.0, 0.0), (7.0, -12.0)])

@@ -9,7 +9,7 @@ import pytest
 
 from halo_service.sensing.association import associate
 from halo_service.sensing.detections import Detection
-from halo_service.sensing.tracks import Past, Track, claim, is_there, predict
+from halo_service.sensing.tracks import Phase, Track, claim, is_there, measured, predict
 from halo_service.values import Finger, Fingertip, Side
 
 FRAME_US = 33_333
@@ -19,18 +19,28 @@ def detection(
     x: float, n: int = 0, side: Side = Side.RIGHT, finger: Finger = Finger.INDEX
 ) -> Detection:
     return Detection(
-        n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0, True, np.zeros((21, 2))
-    )
+        n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0, True, np.zeros((21, 2)),
+        (x, 300.0),
+    )  # fmt: skip
+
+
+def tip(x: float, y: float = 300.0) -> Fingertip:
+    """Return a fingertip in the image, where a pixel is a millimetre."""
+    return Fingertip(
+        Side.RIGHT, Finger.INDEX, (x, y), (x, y + 20.0), (0, 0), (0, 0, 500), 14.0, 45.0, 0.0, 1.0,
+        16.0,
+    )  # fmt: skip
+
+
+def measure(finger: Track, n: int, x: float, y: float = 300.0) -> Track:
+    return measured(finger, n * FRAME_US, tip(x, y), True, 1.0)
 
 
 def live(*xs: float, side: Side = Side.RIGHT) -> tuple[Track, ...]:
     """Fingers that have been there for ten frames, up to frame 10."""
     fingers = associate((), tuple(detection(x, 0, side) for x in xs), 1)
     for n in range(1, 11):
-        fingers = tuple(
-            replace(finger, path=(*finger.path, Past(n * FRAME_US, (x, 300.0)))[-8:])
-            for finger, x in zip(fingers, xs, strict=True)
-        )
+        fingers = tuple(measure(each, n, x) for each, x in zip(fingers, xs, strict=True))
         fingers = associate(fingers, tuple(detection(x, n, side) for x in xs), 9)
     return fingers
 
@@ -62,6 +72,12 @@ def test_ids_stay(seen: tuple[Detection, ...], ids: list[int]) -> None:
     assert [finger.id for finger in associate(live(100, 300), seen, 9)] == ids
 
 
+def test_detections_that_are_off_the_same_way_are_assigned_together() -> None:
+    """The nearest pair alone would leave the other two far apart."""
+    seen = associate(live(100, 130), (detection(122, 11), detection(152, 11)), 9)
+    assert [finger.detection.place_mm[0] for finger in seen] == [122, 152]
+
+
 def test_a_hand_is_the_side_that_it_is_called_most() -> None:
     fingers = live(100)
     for n in range(11, 15):
@@ -79,22 +95,33 @@ def test_there_are_as_many_slots_as_fingers() -> None:
 
 def test_a_finger_is_predicted_at_its_last_speed() -> None:
     finger = live(100)[0]
-    finger = replace(finger, path=(*finger.path, Past(11 * FRAME_US, (106.0, 300.0))))
-    assert predict(finger, 12 * FRAME_US).place.tip_px == pytest.approx((112.0, 300.0), abs=0.01)
+    for n in range(11, 15):
+        finger = measure(finger, n, 100.0 + 6.0 * (n - 10))
+    place = predict(finger, 15 * FRAME_US, 1.0).place
+    assert place.tip_px == pytest.approx((130.0, 300.0), abs=0.5)
 
 
-@pytest.mark.parametrize(("off_px", "contradicted"), [(10.0, 0), (29.0, 0), (50.0, 1)])
-def test_a_detection_far_off_its_path_contradicts_a_finger(
-    off_px: float, contradicted: int
-) -> None:
+def test_a_late_detection_corrects_a_finger_that_no_frame_shows_at_its_own_time() -> None:
+    finger = live(100)[0]
+    for n in (11, 12):
+        finger = measure(finger, n, 100.0 + 6.0 * (n - 10))
+    lost = replace(finger, phase=Phase.COASTING)
+    seen = associate((lost,), (detection(140, 14),), 9)[0]
+    alone, late = (predict(each, 16 * FRAME_US, 1.0).place.tip_px[0] for each in (lost, seen))
+    assert alone < 130.0
+    assert late == pytest.approx(140.0 + 2 * 13.0, abs=8.0)  # it moves on from where it was
+
+
+@pytest.mark.parametrize(("off_px", "strayed"), [(10.0, False), (29.0, False), (50.0, True)])
+def test_a_detection_far_off_its_place_contradicts_a_finger(off_px: float, strayed: bool) -> None:
     finger = associate(live(100), (detection(100 + off_px, 11),), 9)[0]
-    assert finger.contradicted == contradicted
+    assert finger.strayed is strayed
 
 
 @pytest.mark.parametrize(("age", "claimed"), [(0, True), (4, True), (6, False)])
 def test_an_old_detection_gives_no_place(age: int, claimed: bool) -> None:
     finger = live(100)[0]
-    assert (claim(finger, (10 + age) * FRAME_US) is not None) is claimed
+    assert (claim(finger, (10 + age) * FRAME_US, 1.0) is not None) is claimed
 
 
 @pytest.mark.parametrize(
@@ -112,20 +139,19 @@ def test_a_tip_far_from_the_detection_is_another_finger(
     speed_px: float, late: int, off_px: float, there: bool
 ) -> None:
     finger = live(100)[0]
-    path = tuple(Past(n * FRAME_US, (100.0 + speed_px * (n - 8), 300.0)) for n in range(8, 12))
-    finger = replace(finger, path=path, detection=detection(path[-late].tip_px[0], 12 - late))
-    claimed, expected = claim(finger, 12 * FRAME_US), predict(finger, 12 * FRAME_US)
+    xs = {n: 100.0 + speed_px * max(n - 8, 0) for n in range(12)}
+    finger = replace(finger, history=finger.history[:-3])
+    for n in range(8, 12):
+        finger = measure(finger, n, xs[n])
+    finger = replace(finger, detection=detection(xs[12 - late], 12 - late))
+    claimed = claim(finger, 12 * FRAME_US, 1.0)
     assert claimed is not None
-    tip_px = (claimed.place.tip_px[0] + off_px, 300.0)
-    tip = Fingertip(
-        Side.RIGHT, Finger.INDEX, tip_px, (100.0, 320.0), (0, 0), (0, 0, 500), 14.0, 45.0, 0.0, 1.0
-    )
-    assert is_there(finger, claimed, expected, tip) is there
+    assert is_there(claimed, tip(xs[12 - late] + off_px)) is there
 
 
 def test_two_pointers_on_one_finger_become_one() -> None:
     one, other = live(100, 300)
-    there = replace(other, path=(*other.path, Past(11 * FRAME_US, (103.0, 305.0))))
+    there = measured(other, 11 * FRAME_US, tip(103.0, 305.0), False, 1.0)
     found = associate((one, there), (detection(100, 11),), 9)
     assert [finger.id for finger in found] == [1]
 

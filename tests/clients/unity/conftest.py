@@ -10,6 +10,7 @@ import pytest
 
 PACKAGE = Path(__file__).parents[3] / "clients" / "unity" / "com.halotouch.client"
 PROGRAM = Path(__file__).with_name("program")
+STUBS = Path(__file__).with_name("stubs")
 LANGUAGE = "-langversion:7.2"
 """mcs has no later C#; Unity 2022 accepts 9."""
 
@@ -81,3 +82,9 @@ def run_csharp(program: list[str]) -> Callable[..., list[str]]:
         return done.stdout.splitlines()
 
     return run
+
+
+@pytest.fixture(scope="session")
+def unity(compile_csharp: Callable[..., Path]) -> Path:
+    """Stand-ins for Unity, written by hand from its public documentation."""
+    return compile_csharp("Unity.dll", sorted(STUBS.glob("*.cs")), (), "-nowarn:0649,1591")

@@ -1,6 +1,6 @@
 """The Unity package is complete; its Unity-facing part compiles against hand-written signatures.
 
-Unity itself is not here: `stubs/` has signatures from its public documentation.
+Unity itself is not here: `stubs/` has stand-ins, written by hand from its public documentation.
 """
 
 from __future__ import annotations
@@ -11,12 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from tests.clients.unity.conftest import PACKAGE, sources
 from tests.clients.unity.metas import metas
 
-STUBS = Path(__file__).with_name("stubs")
 Compile = Callable[..., Path]
 
 
@@ -60,12 +57,6 @@ def test_the_input_system_is_optional() -> None:
     (version,) = optional["versionDefines"]
     assert version["name"] == "com.unity.inputsystem"
     assert optional["defineConstraints"] == [version["define"]]
-
-
-@pytest.fixture(scope="session")
-def unity(compile_csharp: Compile) -> Path:
-    """Signatures without bodies."""
-    return compile_csharp("Unity.dll", sorted(STUBS.glob("*.cs")), (), "-nowarn:0649,1591")
 
 
 def test_the_unity_facing_part_compiles(compile_csharp: Compile, core: Path, unity: Path) -> None:

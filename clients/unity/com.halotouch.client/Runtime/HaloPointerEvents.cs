@@ -106,7 +106,7 @@ namespace HaloTouch
 
         bool IsOurs(int number) => slot < 0 || slot == number;
 
-        void Report(HaloFrame frame)
+        void Report(HaloReceiver receiver, HaloFrame frame)
         {
             foreach (var each in frame.Pointers)
             {

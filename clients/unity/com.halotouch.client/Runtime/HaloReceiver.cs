@@ -26,23 +26,50 @@ namespace HaloTouch
         bool loop = true;
 
         readonly HaloFrame _frame = new HaloFrame();
+        readonly Handlers<HaloReceiver, HaloFrame> _onFrame = new Handlers<HaloReceiver, HaloFrame>();
+        readonly Handlers<HaloFrame, HaloContact> _onDown = new Handlers<HaloFrame, HaloContact>();
+        readonly Handlers<HaloFrame, HaloPointer> _onMoved = new Handlers<HaloFrame, HaloPointer>();
+        readonly Handlers<HaloFrame, HaloContact> _onUp = new Handlers<HaloFrame, HaloContact>();
+        readonly Handlers<HaloReceiver, string> _onLost = new Handlers<HaloReceiver, string>();
         Client _client;
         string _problem = "";
 
         /// <summary>Each frame of the service that is followed. Valid during the call only.</summary>
-        public event Action<HaloFrame> FrameReceived;
+        public event Action<HaloReceiver, HaloFrame> FrameReceived
+        {
+            add => _onFrame.Add(value);
+            remove => _onFrame.Remove(value);
+        }
 
         /// <summary>A touch began.</summary>
-        public event Action<HaloFrame, HaloContact> Down;
+        public event Action<HaloFrame, HaloContact> Down
+        {
+            add => _onDown.Add(value);
+            remove => _onDown.Remove(value);
+        }
 
         /// <summary>A touch goes on; once a frame.</summary>
-        public event Action<HaloFrame, HaloPointer> Moved;
+        public event Action<HaloFrame, HaloPointer> Moved
+        {
+            add => _onMoved.Add(value);
+            remove => _onMoved.Remove(value);
+        }
 
         /// <summary>A touch ended, or its service is lost.</summary>
-        public event Action<HaloFrame, HaloContact> Up;
+        public event Action<HaloFrame, HaloContact> Up
+        {
+            add => _onUp.Add(value);
+            remove => _onUp.Remove(value);
+        }
 
-        /// <summary>The service is silent or was restarted: its fingers are gone.</summary>
-        public event Action Lost;
+        /// <summary>
+        /// The service is silent or was restarted: its fingers are gone. With the name of the service.
+        /// </summary>
+        public event Action<HaloReceiver, string> Lost
+        {
+            add => _onLost.Add(value);
+            remove => _onLost.Remove(value);
+        }
 
         /// <summary>Where fingers come from, as in the inspector. Setting it opens it.</summary>
         public string Source
@@ -177,21 +204,8 @@ namespace HaloTouch
 
             public void OnEvent(SessionEvent found)
             {
-                try
-                {
-                    Report(found);
-                }
-                catch (Exception error)
-                {
-                    // An error of a handler must not hide the events after it: a touch would never end.
-                    Debug.LogException(error, _receiver);
-                }
-            }
-
-            void Report(SessionEvent found)
-            {
                 if (found.Kind == EventKind.Frame) _receiver.OnFrame(found.Frame);
-                else if (found.Kind == EventKind.Lost) _receiver.Lost?.Invoke();
+                else if (found.Kind == EventKind.Lost) _receiver._onLost.Call(_receiver, found.Node, _receiver);
                 else if (found.Kind == EventKind.Collision) _receiver.OnCollision(found);
             }
         }
@@ -199,15 +213,12 @@ namespace HaloTouch
         void OnFrame(HaloFrame frame)
         {
             _frame.CopyFrom(frame);
-            FrameReceived?.Invoke(_frame);
+            _onFrame.Call(this, _frame, this);
             foreach (var contact in _frame.Contacts)
-            {
-                if (contact.IsUp) Up?.Invoke(_frame, contact);
-                else Down?.Invoke(_frame, contact);
-            }
-            if (Moved == null) return;
+                (contact.IsUp ? _onUp : _onDown).Call(_frame, contact, this);
+            if (_onMoved.IsEmpty) return;
             foreach (var pointer in _frame.Pointers)
-                if (_frame.IsMoving(pointer)) Moved.Invoke(_frame, pointer);
+                if (_frame.IsMoving(pointer)) _onMoved.Call(_frame, pointer, this);
         }
 
         void OnCollision(SessionEvent found)

@@ -1,5 +1,8 @@
-// Signatures of the package com.unity.inputsystem, written by hand from its public documentation (1.7). See
-// UnityEngine.cs.
+// Stand-ins for the package com.unity.inputsystem, written by hand from its public documentation (1.7). See
+// UnityEngine.cs. They record what is queued.
+using System;
+using System.Collections.Generic;
+
 namespace UnityEngine.InputSystem
 {
     public abstract class InputControl
@@ -8,12 +11,21 @@ namespace UnityEngine.InputSystem
 
     public abstract class InputControl<TValue> : InputControl where TValue : struct
     {
-        public TValue ReadValue() => throw null;
+        public TValue Value;
+        public TValue ReadValue() => Value;
     }
 
     public class InputDevice : InputControl
     {
-        public TControl GetChildControl<TControl>(string path) where TControl : InputControl => throw null;
+        readonly Dictionary<string, InputControl> _children = new Dictionary<string, InputControl>();
+
+        // The layout's text must name the control.
+        public TControl GetChildControl<TControl>(string path) where TControl : InputControl
+        {
+            if (!InputSystem.Layout.Contains("\"name\": \"" + path + "\"")) throw new ArgumentException("no control " + path);
+            if (!_children.ContainsKey(path)) _children[path] = Activator.CreateInstance<TControl>();
+            return (TControl)_children[path];
+        }
     }
 
     public class Pointer : InputDevice
@@ -28,11 +40,26 @@ namespace UnityEngine.InputSystem
 
     public static class InputSystem
     {
-        public static void RegisterLayout(string json, string name = null, Layouts.InputDeviceMatcher? matches = null) => throw null;
-        public static InputDevice AddDevice(string layout, string name = null, string variants = null) => throw null;
-        public static void RemoveDevice(InputDevice device) => throw null;
+        public static string Layout = "";
+        public static readonly List<object> Queued = new List<object>();
+        public static readonly List<InputDevice> Devices = new List<InputDevice>();
+
+        public static void RegisterLayout(string json, string name = null, Layouts.InputDeviceMatcher? matches = null)
+        {
+            Layout = json;
+        }
+
+        public static InputDevice AddDevice(string layout, string name = null, string variants = null)
+        {
+            if (!Layout.Contains("\"name\": \"" + layout + "\"")) throw new ArgumentException("no layout " + layout);
+            Devices.Add(new Touchscreen());
+            return Devices[Devices.Count - 1];
+        }
+
+        public static void RemoveDevice(InputDevice device) => Devices.Remove(device);
+
         public static void QueueStateEvent<TState>(InputDevice device, TState state, double time = -1)
-            where TState : struct, LowLevel.IInputStateTypeInfo => throw null;
+            where TState : struct, LowLevel.IInputStateTypeInfo => Queued.Add(state);
     }
 }
 
@@ -74,7 +101,8 @@ namespace UnityEngine.InputSystem.LowLevel
     {
         public static void Change<TState>(
             InputControl control, TState state, InputUpdateType updateType = default(InputUpdateType),
-            InputEventPtr eventPtr = default(InputEventPtr)) where TState : struct => throw null;
+            InputEventPtr eventPtr = default(InputEventPtr)) where TState : struct =>
+            ((InputControl<TState>)control).Value = state;
     }
 
     public struct TouchState : IInputStateTypeInfo

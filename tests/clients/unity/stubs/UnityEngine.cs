@@ -1,32 +1,34 @@
-// Signatures of UnityEngine, written by hand from Unity's public scripting reference (2022.3), only those
-// that the package uses. They let mcs check types and names. They do nothing: no test runs them.
+// Stand-ins for UnityEngine, written by hand from Unity's public scripting reference (2022.3), only what the
+// package uses. mcs checks types and names with them. A few have the documented behaviour, so that a test can
+// run the components; the others throw. They are not Unity: how Unity itself behaves is not tested.
 using System;
+using System.Collections.Generic;
 
 namespace UnityEngine
 {
     public class Object
     {
         public string name { get; set; }
-        public static implicit operator bool(Object exists) => throw null;
-        public static bool operator ==(Object x, Object y) => throw null;
-        public static bool operator !=(Object x, Object y) => throw null;
-        public override bool Equals(object other) => throw null;
-        public override int GetHashCode() => throw null;
+        public static implicit operator bool(Object exists) => !ReferenceEquals(exists, null);
+        public static bool operator ==(Object x, Object y) => ReferenceEquals(x, y);
+        public static bool operator !=(Object x, Object y) => !ReferenceEquals(x, y);
+        public override bool Equals(object other) => ReferenceEquals(this, other);
+        public override int GetHashCode() => base.GetHashCode();
         public static void Destroy(Object obj) => throw null;
         public static T FindFirstObjectByType<T>() where T : Object => throw null;
     }
 
     public class Component : Object
     {
-        public Transform transform { get; }
-        public GameObject gameObject { get; }
-        public T GetComponent<T>() => throw null;
+        public Transform transform => gameObject.transform;
+        public GameObject gameObject { get; internal set; }
+        public T GetComponent<T>() => gameObject.GetComponent<T>();
     }
 
     public class Behaviour : Component
     {
         public bool enabled { get; set; }
-        public bool isActiveAndEnabled { get; }
+        public bool isActiveAndEnabled => true;
     }
 
     public class MonoBehaviour : Behaviour
@@ -35,10 +37,31 @@ namespace UnityEngine
 
     public sealed class GameObject : Object
     {
-        public GameObject(string name) => throw null;
+        readonly List<Component> _components = new List<Component>();
+
+        public GameObject(string name)
+        {
+            this.name = name;
+            transform = AddComponent<Transform>();
+        }
+
         public Transform transform { get; }
-        public T AddComponent<T>() where T : Component => throw null;
-        public T GetComponent<T>() => throw null;
+
+        public T AddComponent<T>() where T : Component
+        {
+            var added = Activator.CreateInstance<T>();
+            added.gameObject = this;
+            _components.Add(added);
+            return added;
+        }
+
+        public T GetComponent<T>()
+        {
+            foreach (object each in _components)
+                if (each is T) return (T)each;
+            return default(T);
+        }
+
         public void SetActive(bool value) => throw null;
         public static GameObject CreatePrimitive(PrimitiveType type) => throw null;
     }
@@ -48,48 +71,112 @@ namespace UnityEngine
     public class Transform : Component
     {
         public Vector3 position { get; set; }
-        public Quaternion rotation { get; set; }
-        public Vector3 localScale { get; set; }
-        public Vector3 up { get; set; }
-        public Vector3 forward { get; set; }
-        public Vector3 TransformPoint(Vector3 position) => throw null;
-        public Vector3 TransformVector(Vector3 vector) => throw null;
-        public void SetPositionAndRotation(Vector3 position, Quaternion rotation) => throw null;
+        public Quaternion rotation { get; set; } = new Quaternion(0, 0, 0, 1);
+        public Vector3 localScale { get; set; } = Vector3.one;
+        public Vector3 up => rotation * new Vector3(0, 1, 0);
+        public Vector3 forward => rotation * new Vector3(0, 0, 1);
+        public Vector3 right => rotation * new Vector3(1, 0, 0);
+        public Vector3 TransformPoint(Vector3 position) => this.position + TransformVector(position);
+
+        public Vector3 TransformVector(Vector3 vector) =>
+            rotation * new Vector3(vector.x * localScale.x, vector.y * localScale.y, vector.z * localScale.z);
+
+        public void SetPositionAndRotation(Vector3 position, Quaternion rotation)
+        {
+            this.position = position;
+            this.rotation = rotation;
+        }
+
         public void SetParent(Transform p) => throw null;
     }
 
     public struct Vector2
     {
         public float x, y;
-        public Vector2(float x, float y) => throw null;
-        public static Vector2 operator /(Vector2 a, float d) => throw null;
+
+        public Vector2(float x, float y)
+        {
+            this.x = x;
+            this.y = y;
+        }
+
+        public static Vector2 operator /(Vector2 a, float d) => new Vector2(a.x / d, a.y / d);
     }
 
     public struct Vector3
     {
         public float x, y, z;
-        public Vector3(float x, float y, float z) => throw null;
-        public static Vector3 one { get; }
-        public static Vector3 operator +(Vector3 a, Vector3 b) => throw null;
-        public static Vector3 operator -(Vector3 a) => throw null;
-        public static Vector3 operator *(Vector3 a, float d) => throw null;
-        public static Vector3 operator *(float d, Vector3 a) => throw null;
-        public static Vector3 operator /(Vector3 a, float d) => throw null;
+
+        public Vector3(float x, float y, float z)
+        {
+            this.x = x;
+            this.y = y;
+            this.z = z;
+        }
+
+        public static Vector3 one => new Vector3(1, 1, 1);
+        public static Vector3 Cross(Vector3 a, Vector3 b) =>
+            new Vector3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+        public static float Dot(Vector3 a, Vector3 b) => a.x * b.x + a.y * b.y + a.z * b.z;
+        public Vector3 normalized => this / (float)Math.Sqrt(Dot(this, this));
+        public static Vector3 operator +(Vector3 a, Vector3 b) => new Vector3(a.x + b.x, a.y + b.y, a.z + b.z);
+        public static Vector3 operator -(Vector3 a, Vector3 b) => a + -b;
+        public static Vector3 operator -(Vector3 a) => new Vector3(-a.x, -a.y, -a.z);
+        public static Vector3 operator *(Vector3 a, float d) => new Vector3(a.x * d, a.y * d, a.z * d);
+        public static Vector3 operator *(float d, Vector3 a) => a * d;
+        public static Vector3 operator /(Vector3 a, float d) => a * (1 / d);
     }
 
     public struct Quaternion
     {
-        public static Quaternion LookRotation(Vector3 forward, Vector3 upwards) => throw null;
-        public static Quaternion operator *(Quaternion lhs, Quaternion rhs) => throw null;
-        public static Vector3 operator *(Quaternion rotation, Vector3 point) => throw null;
+        public float x, y, z, w;
+
+        public Quaternion(float x, float y, float z, float w)
+        {
+            this.x = x;
+            this.y = y;
+            this.z = z;
+            this.w = w;
+        }
+
+        // z along forward, y as near to upwards as possible.
+        public static Quaternion LookRotation(Vector3 forward, Vector3 upwards)
+        {
+            var f = forward.normalized;
+            var r = Vector3.Cross(upwards, f).normalized;
+            var u = Vector3.Cross(f, r);
+            // The largest of the four divides the others.
+            float ww = 1 + r.x + u.y + f.z, xx = 1 + r.x - u.y - f.z, yy = 1 - r.x + u.y - f.z, zz = 1 - r.x - u.y + f.z;
+            float a = u.z - f.y, b = f.x - r.z, c = r.y - u.x, d = r.y + u.x, e = f.x + r.z, g = u.z + f.y;
+            var most = Math.Max(Math.Max(ww, xx), Math.Max(yy, zz));
+            var half = 0.5f / (float)Math.Sqrt(most);
+            if (most == ww) return new Quaternion(a * half, b * half, c * half, ww * half);
+            if (most == xx) return new Quaternion(xx * half, d * half, e * half, a * half);
+            if (most == yy) return new Quaternion(d * half, yy * half, g * half, b * half);
+            return new Quaternion(e * half, g * half, zz * half, c * half);
+        }
+
+        public static Quaternion operator *(Quaternion l, Quaternion r) =>
+            new Quaternion(
+                l.w * r.x + l.x * r.w + l.y * r.z - l.z * r.y, l.w * r.y + l.y * r.w + l.z * r.x - l.x * r.z,
+                l.w * r.z + l.z * r.w + l.x * r.y - l.y * r.x, l.w * r.w - l.x * r.x - l.y * r.y - l.z * r.z);
+
+        public static Vector3 operator *(Quaternion rotation, Vector3 point)
+        {
+            var v = new Vector3(rotation.x, rotation.y, rotation.z);
+            var t = 2 * Vector3.Cross(v, point);
+            return point + rotation.w * t + Vector3.Cross(v, t);
+        }
     }
 
     public struct Matrix4x4
     {
+        float[] _rows;
+
         public float this[int row, int column]
         {
-            get => throw null;
-            set => throw null;
+            get => _rows == null ? 0 : _rows[4 * row + column];
+            set => (_rows = _rows ?? new float[16])[4 * row + column] = value;
         }
     }
 
@@ -105,7 +192,7 @@ namespace UnityEngine
     public static class Mathf
     {
         public const float PI = (float)Math.PI;
-        public static float Max(float a, float b) => throw null;
+        public static float Max(float a, float b) => Math.Max(a, b);
         public static float Sin(float f) => throw null;
         public static float Exp(float power) => throw null;
         public static float Lerp(float a, float b, float t) => throw null;
@@ -115,8 +202,8 @@ namespace UnityEngine
 
     public static class Screen
     {
-        public static int width { get; }
-        public static int height { get; }
+        public static int width => 1280;
+        public static int height => 800;
     }
 
     public static class Application
@@ -126,9 +213,9 @@ namespace UnityEngine
 
     public static class Debug
     {
-        public static void LogError(object message, Object context) => throw null;
-        public static void LogException(Exception exception, Object context) => throw null;
-        public static void LogWarning(object message, Object context) => throw null;
+        public static void LogError(object message, Object context) => Console.Error.WriteLine(message);
+        public static void LogException(Exception exception, Object context) => Console.Error.WriteLine(exception.Message);
+        public static void LogWarning(object message, Object context) => Console.Error.WriteLine(message);
     }
 
     public static class Gizmos
@@ -143,7 +230,10 @@ namespace UnityEngine
     public sealed class Camera : Behaviour
     {
         public Matrix4x4 projectionMatrix { get; set; }
-        public void ResetProjectionMatrix() => throw null;
+        public void ResetProjectionMatrix()
+        {
+        }
+
         public bool orthographic { get; set; }
         public float orthographicSize { get; set; }
         public float aspect { get; set; }
@@ -155,7 +245,11 @@ namespace UnityEngine
 
     public class TextAsset : Object
     {
-        public TextAsset(string text) => throw null;
+        public TextAsset(string text)
+        {
+            this.text = text;
+        }
+
         public string text { get; }
     }
 
@@ -205,25 +299,33 @@ namespace UnityEngine
     [AttributeUsage(AttributeTargets.Field)]
     public sealed class TooltipAttribute : Attribute
     {
-        public TooltipAttribute(string tooltip) => throw null;
+        public TooltipAttribute(string tooltip)
+        {
+        }
     }
 
     [AttributeUsage(AttributeTargets.Class)]
     public sealed class AddComponentMenu : Attribute
     {
-        public AddComponentMenu(string menuName) => throw null;
+        public AddComponentMenu(string menuName)
+        {
+        }
     }
 
     [AttributeUsage(AttributeTargets.Class)]
     public sealed class DefaultExecutionOrder : Attribute
     {
-        public DefaultExecutionOrder(int order) => throw null;
+        public DefaultExecutionOrder(int order)
+        {
+        }
     }
 
     [AttributeUsage(AttributeTargets.Class, AllowMultiple = true)]
     public sealed class RequireComponent : Attribute
     {
-        public RequireComponent(Type requiredComponent) => throw null;
+        public RequireComponent(Type requiredComponent)
+        {
+        }
     }
 
     public class GUILayoutOption
@@ -249,6 +351,8 @@ namespace UnityEngine.Events
 
     public class UnityEvent<T0> : UnityEventBase
     {
-        public void Invoke(T0 arg0) => throw null;
+        event Action<T0> Called;
+        public void AddListener(Action<T0> call) => Called += call;
+        public void Invoke(T0 arg0) => Called?.Invoke(arg0);
     }
 }

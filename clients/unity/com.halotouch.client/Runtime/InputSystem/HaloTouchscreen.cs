@@ -66,7 +66,7 @@ namespace HaloTouch
             Device = null;
         }
 
-        void SetSlots(HaloFrame frame)
+        void SetSlots(HaloReceiver receiver, HaloFrame frame)
         {
             for (var slot = 0; slot < HaloTouchscreenLayout.Slots; slot++)
             {

@@ -77,7 +77,7 @@ public sealed class DrumKit : MonoBehaviour
         _pads[index].PlayOneShot(_pads[index].clip, Mathf.Clamp01(speed / LoudestMmS));
     }
 
-    void Bend(HaloFrame frame)
+    void Bend(HaloReceiver receiver, HaloFrame frame)
     {
         var pitch = 1f;
         foreach (var pointer in frame.Pointers)

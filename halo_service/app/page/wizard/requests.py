@@ -43,6 +43,7 @@ def read_request(step: str, request: dict[str, Any]) -> CalibrateRequest:
         _optional(request, "subtle_mm", 0.1, 20.0),
         _optional(request, "touch_g", 1.0, 5000.0),
         _optional(request, "press_g", 1.0, 5000.0),
+        _optional(request, "hard_g", 1.0, 5000.0),
     )
     return CalibrateRequest(step, state_values=stated, side=sides[hand], place=place)
 

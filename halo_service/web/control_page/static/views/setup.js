@@ -21,7 +21,7 @@ const WAYS = {
 };
 const NUMBERS = {
   surface: [["width_mm", "width, mm", 300], ["height_mm", "height, mm", 200]],
-  touch: [["hover_mm", "height of the hover spacer, mm", ""], ["subtle_mm", "height of the subtle spacer, mm", ""], ["touch_g", "relaxed touch, g", ""], ["press_g", "press on a kitchen scale, g", ""]],
+  touch: [["hover_mm", "height of the hover spacer, mm", ""], ["subtle_mm", "height of the subtle spacer, mm", ""], ["touch_g", "relaxed touch, g", ""], ["press_g", "press on a kitchen scale, g", ""], ["hard_g", "hold a hard press too, g", ""]],
   anchor: [["marker", "number of the marker", 0], ["size_mm", "side of its black square, mm", ""]],
 };
 

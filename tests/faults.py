@@ -25,6 +25,7 @@ from tests.drawn import DEPTHS_MM, MIDDLE, VIEWS
 FPS = 30
 CYCLE_S = 0.5
 """From tap to tap."""
+MEGABYTE = bytes(10**6)
 LEAK_MB = 10
 """Of a tracker that leaks, for each frame."""
 STEPS = 15
@@ -154,4 +155,5 @@ class FaultyTracker:
 
     def _leak(self) -> None:
         self._leaked.append(mmap.mmap(-1, LEAK_MB * 10**6))
-        self._leaked[-1].write(bytes(LEAK_MB * 10**6))  # it takes memory once it is written
+        for _ in range(LEAK_MB):  # it takes memory once it is written, and nothing beyond it
+            self._leaked[-1].write(MEGABYTE)

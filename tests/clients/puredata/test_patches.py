@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import json
 import socket
-import subprocess
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.clients.patchers import PureData, free_udp_ports, patch_of
 from tests.golden import VECTORS
 
-FOLDER = Path(__file__).parents[3] / "clients" / "puredata"
 LONGEST_S = 1.0
 """Golden vectors that last longer are left out: Pure Data has its own clock."""
 LEFT_OUT = "parts-of-different-frames"
@@ -24,67 +24,24 @@ ASSEMBLY = [
     for vector in json.loads((VECTORS / "assembly.json").read_text())["vectors"]
     if vector["steps"][-1]["at_s"] <= LONGEST_S and vector["name"] != LEFT_OUT
 ]
-STARTED = "started"
-
-
-class Pd:
-    """A running Pure Data; `lines()` are what it has printed since."""
-
-    def __init__(self, program: str, patch: Path, output: Path) -> None:
-        self._output = output
-        with output.open("w") as file:
-            command = [program, "-nogui", "-noaudio", "-stderr", "-path", str(FOLDER)]
-            self._process = subprocess.Popen([*command, "-open", str(patch)], stderr=file)
-
-    def lines(self) -> list[str]:
-        return self._output.read_text().splitlines()
-
-    def until(self, condition: Callable[[list[str]], bool], patience_s: float = 30.0) -> None:
-        end_s = time.monotonic() + patience_s
-        while not condition(self.lines()):
-            assert time.monotonic() < end_s, "\n".join(self.lines()[-20:])
-            time.sleep(0.02)
-
-    def close(self) -> None:
-        self._process.terminate()
-        self._process.wait(timeout=10)
 
 
 @pytest.fixture
-def pd(tmp_path: Path, external_program: Callable[[str], str]) -> Iterator[Callable[[str], Pd]]:
+def pd(
+    tmp_path: Path, external_program: Callable[[str], str]
+) -> Iterator[Callable[[str], PureData]]:
     """`pd(patch)` opens the text of a patch."""
-    opened = []
+    with ExitStack() as stack:
 
-    def start(text: str) -> Pd:
-        patch = tmp_path / "patch.pd"
-        patch.write_text(text)
-        opened.append(Pd(external_program("pd"), patch, tmp_path / "printed.txt"))
-        opened[-1].until(lambda lines: f"{STARTED}: bang" in lines)
-        return opened[-1]
+        def start(patch: str) -> PureData:
+            return stack.enter_context(closing(PureData(external_program("pd"), tmp_path, patch)))
 
-    yield start
-    for each in opened:
-        each.close()
+        yield start
 
 
-def patch_of(
-    boxes: list[str], wires: list[tuple[int, int, int, int]], message: str = "bang"
-) -> str:
-    """A patch that prints when it has loaded; its last box is a message, sent by its loadbang."""
-    started = len(boxes)
-    boxes = [*boxes, "loadbang", f"print {STARTED}"]
-    wires = [*wires, (started, 0, started + 1, 0)]
-    lines = ["#N canvas 0 0 450 300 12;", *(f"#X obj 0 0 {box};" for box in boxes)]
-    lines.append(f"#X msg 0 0 {message};")
-    lines += [f"#X connect {' '.join(map(str, wire))};" for wire in wires]
-    return "\n".join(lines) + "\n"
-
-
-def test_touches_are_those_of_the_golden_vectors(
-    pd: Callable[[str], Pd], free_ports: Callable[[int], list[int]]
-) -> None:
+def test_touches_are_those_of_the_golden_vectors(pd: Callable[[str], PureData]) -> None:
     """Each vector goes to a `[halo PORT]` of its own, at the pace of its steps."""
-    ports = free_ports(len(ASSEMBLY))
+    ports = free_udp_ports(len(ASSEMBLY))
     boxes, wires = [], []
     for number, port in enumerate(ports):
         boxes += [f"halo {port}", f"print down-{number}", f"print up-{number}"]
@@ -132,7 +89,7 @@ def send_at_their_times(ports: list[int]) -> None:
 
 
 def test_a_hit_makes_a_drum_sound(
-    pd: Callable[[str], Pd], free_port: int, udp_service: Callable[..., Any]
+    pd: Callable[[str], PureData], free_port: int, udp_service: Callable[..., Any]
 ) -> None:
     """The help patch and the drum patch load; without a sound device Pd computes sound, too."""
     boxes = [f"halo-drums {free_port}", "r halo-drums-level", "print level", "halo-help"]
@@ -145,17 +102,3 @@ def test_a_hit_makes_a_drum_sound(
 
 def levels(lines: list[str]) -> list[float]:
     return [float(line.split()[1]) for line in lines if line.startswith("level: ")]
-
-
-@pytest.fixture
-def free_ports() -> Callable[[int], list[int]]:
-    def find(count: int) -> list[int]:
-        probes = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-        for probe in probes:
-            probe.bind(("127.0.0.1", 0))
-        ports = [int(probe.getsockname()[1]) for probe in probes]
-        for probe in probes:
-            probe.close()
-        return ports
-
-    return find

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import socket
 import subprocess
@@ -16,9 +15,9 @@ from typing import Any
 import pytest
 
 from halo_protocol import parse_osc
+from tests.clients.patchers import QUARK, start_sclang
 from tests.golden import VECTORS
 
-QUARK = Path(__file__).parents[3] / "clients" / "supercollider"
 EXAMPLE = QUARK / "Examples" / "pressure_and_hover.scd"
 ASSEMBLY = json.loads((VECTORS / "assembly.json").read_text())["vectors"]
 PATIENCE_S = 60.0
@@ -50,20 +49,10 @@ def sclang(
     tmp_path: Path, external_program: Callable[[str], str]
 ) -> Iterator[Callable[[str], subprocess.Popen[str]]]:
     """Start sclang with the Quark installed and a program."""
-    config = tmp_path / "sclang_conf.yaml"
-    config.write_text(f"includePaths:\n  - {QUARK}\n")
-    program = tmp_path / "program.scd"
-    # It starts Qt, which needs no display and, as root, no sandbox.
-    qt = {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_CHROMIUM_FLAGS": "--no-sandbox"}
     with ExitStack() as stack:
 
         def start(text: str) -> subprocess.Popen[str]:
-            program.write_text(text)
-            command = [external_program("sclang"), "-D", "-l", str(config), str(program)]
-            process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT, text=True, env=os.environ | qt,
-            )  # fmt: skip
+            process = start_sclang(external_program("sclang"), tmp_path, text)
             end = threading.Timer(PATIENCE_S, process.kill)
             end.start()
             stack.callback(process.communicate)

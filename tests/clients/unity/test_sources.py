@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
@@ -68,6 +69,18 @@ def test_sources_are_named_as_in_python(run_csharp: Run) -> None:
     found = run_csharp(list(SOURCES), "source")
     for line, wanted in zip(found, SOURCES.values(), strict=True):
         assert line.startswith(wanted) if wanted.startswith("refused") else line == wanted
+
+
+def test_a_port_is_never_shared(program: list[str]) -> None:
+    """Not even with a program that would share it: each would get a part of the frames."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        other.bind(("127.0.0.1", 0))
+        port = other.getsockname()[1]
+        command = [*program, "live", f"osc://127.0.0.1:{port}"]
+        done = subprocess.run(command, input="", capture_output=True, text=True, timeout=30)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"cannot listen on UDP port {port} of 127.0.0.1 (")
 
 
 def recorded(path: Path) -> list[dict[str, Any]]:

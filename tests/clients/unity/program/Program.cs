@@ -14,10 +14,19 @@ static partial class Program
 
     static int Main(string[] arguments)
     {
-        var rest = new ArraySegment<string>(arguments, 1, arguments.Length - 1);
-        var result = Run(arguments[0], rest.Count > 0 ? arguments[1] : "", arguments);
-        Out.Flush();
-        return result;
+        try
+        {
+            return Run(arguments[0], arguments.Length > 1 ? arguments[1] : "", arguments);
+        }
+        catch (InputException error)
+        {
+            Console.Error.WriteLine(error.Message);
+            return 2;
+        }
+        finally
+        {
+            Out.Flush();
+        }
     }
 
     static int Run(string mode, string argument, string[] arguments)

@@ -130,6 +130,8 @@ namespace HaloTouch.Internal
             try
             {
                 socket.ReceiveBufferSize = KernelBytes;
+                // Mono allows by default that another program takes the port.
+                socket.SetSocketOption(SocketOptionLevel.Socket, SocketOptionName.ReuseAddress, 0);
                 socket.Bind(new IPEndPoint(address, source.Port));
                 return socket;
             }

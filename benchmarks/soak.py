@@ -32,6 +32,7 @@ from typing import Any
 
 import halo_client
 from halo_protocol import Camera, Health, Lost, ProfileFit, Report, Scene, TouchFrame, Tracker
+from halo_service.app.process import use_one_thread_each
 from tests.faults import FAULTS, Fault, FaultyCamera, FaultyTracker, profile
 
 RECOVERED_S = 1.5
@@ -63,6 +64,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=3600.0)
     seconds = parser.parse_args().seconds
+    use_one_thread_each()  # as the `halo` command does; the processes that are started inherit it
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         evening = Evening(Path(folder), stack)
         evening.run(seconds)

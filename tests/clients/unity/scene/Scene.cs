@@ -32,12 +32,16 @@ static class Scene
         Listen(events);
         var screen = Add<HaloTouchscreen>("screen");
         Set(screen, "surface", surface);
+        var second = Add<HaloTouchscreen>("a screen of another surface, without fingers");
+        var other = Add<HaloSurface>("other surface");
+        other.Receiver = Add<HaloReceiver>("other receiver");
+        Set(second, "surface", other);
         receiver.FrameReceived += (from, frame) => Place(frame, surface, projector, camera);
         receiver.Down += (frame, contact) => { throw new InvalidOperationException("a handler's own error"); };
         receiver.Lost += (from, node) => Lines.Add("{\"lost\": \"" + node + "\"}");
         Set(receiver, "loop", false);
         receiver.Recording = new TextAsset(File.ReadAllText(arguments[0])) { name = "hands" };
-        foreach (var each in new MonoBehaviour[] { surface, projector, events, screen }) Call(each, "OnEnable");
+        foreach (var each in new MonoBehaviour[] { surface, projector, events, screen, second }) Call(each, "OnEnable");
         receiver.FrameReceived += (from, frame) => Lines.Add("{\"slots\": [" + screen.Hover(0).ReadValue() + ", " + screen.Force(0).ReadValue() + "]}");
         for (var i = 0; i < 600 && receiver.Status != "the recording is over"; i++)
         {
@@ -48,7 +52,7 @@ static class Scene
             Thread.Sleep(2);
         }
         Lines.Add("{\"status\": \"" + receiver.Status + "\", \"connected\": " + (receiver.IsConnected ? "true" : "false") + "}");
-        foreach (var each in new MonoBehaviour[] { screen, events, projector, surface, receiver }) Call(each, "OnDisable");
+        foreach (var each in new MonoBehaviour[] { second, screen, events, projector, surface, receiver }) Call(each, "OnDisable");
         Lines.Add("{\"devices\": " + InputSystem.Devices.Count + "}");
         Report();
         return 0;

@@ -46,8 +46,12 @@ namespace UnityEngine.InputSystem
 
         public static void RegisterLayout(string json, string name = null, Layouts.InputDeviceMatcher? matches = null)
         {
+            if (Devices.Count > 0) throw new InvalidOperationException("devices of the layout would be created again");
             Layout = json;
         }
+
+        public static Layouts.InputControlLayout LoadLayout(string name) =>
+            Layout.Contains("\"name\": \"" + name + "\"") ? new Layouts.InputControlLayout() : null;
 
         public static InputDevice AddDevice(string layout, string name = null, string variants = null)
         {
@@ -65,6 +69,10 @@ namespace UnityEngine.InputSystem
 
 namespace UnityEngine.InputSystem.Layouts
 {
+    public class InputControlLayout
+    {
+    }
+
     public struct InputDeviceMatcher
     {
     }

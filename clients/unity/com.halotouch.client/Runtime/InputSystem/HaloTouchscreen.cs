@@ -41,7 +41,9 @@ namespace HaloTouch
                 Debug.LogError("Halo Touch: give the touchscreen a surface with a receiver", this);
                 return;
             }
-            InputSystem.RegisterLayout(HaloTouchscreenLayout.Json());
+            // Registered again, the layout would replace the devices of other surfaces.
+            if (InputSystem.LoadLayout(HaloTouchscreenLayout.Name) == null)
+                InputSystem.RegisterLayout(HaloTouchscreenLayout.Json());
             Device = (Touchscreen)InputSystem.AddDevice(HaloTouchscreenLayout.Name);
             for (var slot = 0; slot < HaloTouchscreenLayout.Slots; slot++)
             {

@@ -89,9 +89,10 @@ def _is_hand(hand: Hand, scale: Scale) -> bool:
 
 def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detection:
     tip = THUMB_TIP + FINGER_MARKS * int(finger)
-    end, distal, root = (hand.landmarks_px[tip - joint] for joint in (0, 1, 3))
+    outermost = _outermost(hand, finger)
+    end, before, root = hand.landmarks_px[[outermost, outermost - 1, tip - FINGER_MARKS + 1]]
     line = (end - root) / max(float(np.linalg.norm(end - root)), 1.0)
-    joint = end - line * float(np.linalg.norm(end - distal))
+    joint = end - line * float(np.linalg.norm(end - before))
     return Detection(
         time_us,
         hand.side,
@@ -100,22 +101,23 @@ def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detect
         _pixel(joint),
         hand.confidence,
         scale.px_per_mm(_pixel(joint)),
-        _extended(hand, finger),
+        outermost > tip - 2,
         hand.landmarks_px,
         _pixel(end / scale.on_surface),
     )
 
 
-def _extended(hand: Hand, finger: Finger) -> bool:
-    """Return whether a finger is extended: its tip is farther from the wrist than its middle joint.
+def _outermost(hand: Hand, finger: Finger) -> int:
+    """Return the landmark of a finger that is farthest from the wrist: an extended finger's tip.
 
-    A thumb folds across the palm instead: its tip is then nearer to the little finger's knuckle
-    than its root's end is.
+    Where the camera looks along a finger, the model may see it folded, and its tip far back; the
+    joint that it sees farthest out is then nearest to the real tip. A thumb folds across the palm:
+    there it is the farthest from the little finger's knuckle.
     """
     tip = THUMB_TIP + FINGER_MARKS * int(finger)
     away = hand.landmarks_px[PALM[-1] if finger is Finger.THUMB else WRIST]
-    last, middle = hand.landmarks_px[tip], hand.landmarks_px[tip - 2]
-    return bool(np.linalg.norm(last - away) > np.linalg.norm(middle - away))
+    joints = hand.landmarks_px[tip - 2 : tip + 1] - away
+    return tip - 2 + int(np.argmax(np.hypot(joints[:, 0], joints[:, 1])))
 
 
 def _palm(hand: Hand) -> Pixel:

@@ -30,6 +30,11 @@ class FingerFrame(NamedTuple):
             tip_px=(x + along * dx - across * dy, y + along * dy + across * dx),
         )
 
+    def turned(self, radians: float) -> FingerFrame:
+        """Return the frame of a finger that points so far to the right of this one."""
+        (dx, dy), cosine, sine = self.direction, math.cos(radians), math.sin(radians)
+        return self._replace(direction=(cosine * dx - sine * dy, sine * dx + cosine * dy))
+
     def away_mm(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Return how far pixels are along this finger from its tip, and across it, mm."""
         size = np.float32(self.px_per_mm)

@@ -15,9 +15,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.sensing.finger_fit import fit_finger
 from halo_service.sensing.finger_frame import FingerFrame, Grid, blended, grid, nearest
 from halo_service.sensing.segmentation import Segmentation
-from halo_service.sensing.silhouette import silhouette_end, stands_out
+from halo_service.sensing.silhouette import stands_out
 from halo_service.values import Depth
 
 Floats = NDArray[np.float64]
@@ -50,6 +51,13 @@ LEAST_STEP_MM = 5.0
 """A lower step is not an edge (chosen: above the noise of the averaged rows)."""
 MISFIT = 0.5
 """Share of the radius by which a tip may be broader than its two (chosen: blur adds a quarter)."""
+TURNED = 0.45
+"""The landmarks' direction is seldom off by more than this sine (measured: 10 degrees)."""
+LEAST_SHARE = 0.35
+"""A pixel that is this finger's with a smaller probability is not searched for its edge."""
+LEAVES_MM, LEAVES_PX = 6.0, 2.0
+"""An edge farther from the fitted end than both together is another's (chosen: three samples of the
+fit, and what blur adds to the mask)."""
 OFF_MM = 3.0
 """The two sides move the middle by at most this."""
 
@@ -84,26 +92,39 @@ def outline(
     `radius_mm`: of the tip.
     """
     part = _around(segmentation, guess)
-    own = (part.hand | part.free) & (depth[part.rows, part.columns] > 0)
-    if own.size == 0:
+    measured = depth[part.rows, part.columns] > 0
+    if measured.size == 0:
         return None
+    share = np.float32(1.0) if part.share is None else part.share
+    own = measured & (part.free | (share > LEAST_SHARE))
     # What infrared shows stands out, whatever its depth reads.
     standing_mm = part.excess_mm - np.float32(SOLID_MM) * part.solid
-    excess = np.where(own, standing_mm, np.float32(0.0))
-    finger = stands_out(excess, guess.px_per_mm)
-    rough = silhouette_end(finger, part.within(guess), radius_mm)
-    if rough is None:
+    finger = stands_out(np.where(measured, standing_mm, np.float32(0.0)), guess.px_per_mm)
+    mask = np.where(finger, 2.0 * share - 1.0, -1.0).astype(np.float32) * measured
+    fit = fit_finger(mask, part.within(guess), radius_mm)
+    if fit is None:
         return None
+    excess = np.where(own, standing_mm, np.float32(0.0))
     layers = np.asarray(cv2.merge([excess, own.astype(np.float32)]), dtype=np.float32)
     view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
-    found = _ended(view, _midline(view, rough, radius_mm), radius_mm)
-    if _misfit(found, radius_mm) > MISFIT * radius_mm:
-        # Knuckles next to a finger pull its midline towards them; the given direction does not.
-        as_given = _ended(view, rough, radius_mm)
-        if _misfit(as_given, radius_mm) <= _misfit(found, radius_mm):
-            found = as_given
+    found = _refined(view, fit.place, guess, radius_mm)
     x, y = found.place.tip_px
     return found._replace(place=found.place._replace(tip_px=(x + part.left, y + part.top)))
+
+
+def _refined(view: _View, fit: FingerFrame, guess: FingerFrame, radius_mm: float) -> Outline:
+    """Refine a fitted place on the finger's edges; the place itself where no edge is near it."""
+    aside, _ = _sides(view, fit, radius_mm)
+    start = fit.moved(0.0, aside)
+    found = [_ended(view, _midline(view, start, radius_mm), radius_mm)]
+    if _turned(found[0].place, guess) > TURNED or _misfit(found[0], radius_mm) > MISFIT * radius_mm:
+        # Knuckles next to a finger pull its midline towards them; the given direction does not.
+        found.append(_ended(view, start._replace(direction=guess.direction), radius_mm))
+    leaves_px = LEAVES_PX + LEAVES_MM * fit.px_per_mm
+    near = [each for each in found if math.dist(each.place.tip_px, fit.tip_px) <= leaves_px]
+    return min(
+        near, key=lambda each: _misfit(each, radius_mm), default=Outline(fit, math.nan, False)
+    )
 
 
 def _ended(view: _View, place: FingerFrame, radius_mm: float) -> Outline:
@@ -114,6 +135,12 @@ def _ended(view: _View, place: FingerFrame, radius_mm: float) -> Outline:
         aside, width_mm = _sides(view, place, radius_mm)
         place = place.moved(0.0, aside)
     return Outline(place, width_mm, clear)
+
+
+def _turned(place: FingerFrame, guess: FingerFrame) -> float:
+    """Return the sine of the angle between two fingers."""
+    (ax, ay), (bx, by) = place.direction, guess.direction
+    return abs(ax * by - ay * bx)
 
 
 def _misfit(found: Outline, radius_mm: float) -> float:
@@ -159,16 +186,20 @@ def _end(view: _View, place: FingerFrame, radius_mm: float) -> tuple[float, bool
 def _sides(view: _View, place: FingerFrame, radius_mm: float) -> tuple[float, float]:
     """Return the offset of the finger's middle from the tip, and its width, mm.
 
-    0 and nan where unclear. Read where the tip is widest and a little behind.
+    Where a neighbour touches one side, the other and the radius give the middle; the width is nan
+    then. Read where the tip is widest and a little behind.
     """
     profile = _profile(view, place, _beside(radius_mm), 0)
     if profile is None:
         return 0.0, math.nan
     right, right_clear = _edge(profile, ACROSS_MM[0], SIDE_MM)
     left, left_clear = _edge(profile[::-1], ACROSS_MM[0], SIDE_MM)
-    if not (left_clear and right_clear):
-        return 0.0, math.nan
-    return min(max((right - left) / 2.0, -OFF_MM), OFF_MM), right + left
+    width_mm = right + left if left_clear and right_clear else math.nan
+    if not right_clear:
+        right = 2.0 * radius_mm - left if left_clear else left
+    elif not left_clear:
+        left = 2.0 * radius_mm - right
+    return min(max((right - left) / 2.0, -OFF_MM), OFF_MM), width_mm
 
 
 @lru_cache(maxsize=16)

@@ -42,6 +42,8 @@ class Segmentation:
     left: int = 0
     top: int = 0
     """The first column and row in the image."""
+    share: NDArray[np.float32] | None = None
+    """(h, w) probability that a pixel of the hand is this finger's; None: 1 everywhere."""
 
     @property
     def rows(self) -> slice:
@@ -71,6 +73,7 @@ class Segmentation:
             self.solid[part],
             self.left + part[1].start,
             self.top + part[0].start,
+            None if self.share is None else self.share[part],
         )
 
 

@@ -15,13 +15,11 @@ from halo_service.sensing.contact import CONTACT_LEVEL, Evidence, contact_probab
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
-from halo_service.sensing.finger_frame import FingerFrame
 from halo_service.sensing.fingertips import line_of_sight_deg
 from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import force, read_force, touch_force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.silhouette import silhouette_end
 from halo_service.sensing.states import interpolate, span, touch_level
 from halo_service.values import Finger, Fingertip, Side, Signal
 
@@ -474,10 +472,3 @@ def test_the_drift_of_a_device_that_warms_up_is_followed_past_hand_and_halo() ->
         depth[:, ::32] = 0  # what measures nothing says nothing
         drift = follow_drift(drift, depth, background, n * FRAME_US)
     assert drift.offset_mm == pytest.approx(6.0, abs=0.1)
-
-
-def test_no_silhouette_is_no_tip() -> None:
-    within = FingerFrame((320.0, 288.0), (0.0, -1.0), 1.0)
-    outside = within._replace(tip_px=(-500.0, 288.0))
-    assert silhouette_end(np.zeros((576, 640), bool), within, 7.0) is None
-    assert silhouette_end(np.ones((576, 640), bool), outside, 7.0) is None

@@ -189,8 +189,8 @@ def test_answers_of_the_control_port_are_read(run_csharp: Run) -> None:
 
 def test_a_flood_leaves_the_newest_datagrams(run_csharp: Run) -> None:
     found = json.loads(run_csharp([], "ring")[0])
-    assert found["dropped"] == 1000 - 128
-    assert found["left"] == [[i, 2 + i % 2900, i] for i in range(1000 - 128, 1000)]
+    assert found["dropped"] == 1000 - 512
+    assert found["left"] == [[i, 2 + i % 2900, i] for i in range(1000 - 512, 1000)]
 
 
 def test_frames_allocate_nothing(run_csharp: Run) -> None:

@@ -134,6 +134,8 @@ static partial class Program
     {
         readonly bool _touches;
 
+        public int Lost { get; private set; }
+
         public Printer(bool touches)
         {
             _touches = touches;
@@ -142,6 +144,7 @@ static partial class Program
         public void OnEvent(SessionEvent found)
         {
             Out.WriteLine(View.Event(found));
+            if (found.Kind == EventKind.Lost) Lost++;
             if (!_touches || found.Kind != EventKind.Frame) return;
             foreach (var contact in found.Frame.Contacts) Print(contact.IsUp ? "up" : "down", found.Frame, contact.Id, contact.Contacts);
             foreach (var pointer in found.Frame.Pointers)
@@ -191,14 +194,14 @@ static partial class Program
         return 0;
     }
 
-    // As fast as it can be, or looped once more.
+    // To its end, or two rounds of a loop.
     static int Recording(string path, bool loop)
     {
         var printer = new Printer(false);
         using (var client = loop ? Client.OpenRecording(File.ReadAllText(path), path, true, printer) : Client.Open(path, printer))
         {
-            var until = Clock.NowS + (loop ? 1.5 : 20);
-            while (!client.IsEnded && Clock.NowS < until)
+            var until = Clock.NowS + 20;
+            while (!client.IsEnded && printer.Lost < 2 && Clock.NowS < until)
             {
                 client.Poll();
                 Thread.Sleep(2);

@@ -6,7 +6,7 @@ namespace HaloTouch.Internal
     // the assembler infers the touches of dropped ones.
     sealed class DatagramRing
     {
-        const int Slots = 128;
+        const int Slots = 512; // some seconds
         const int FirstBytes = 2048;
 
         struct Slot

@@ -24,7 +24,7 @@ from halo_service.virtual.offline import frames
 from halo_service.virtual.sim_url import parse_sim_url
 from tests.kind_sensor import KIND_URL
 
-SECONDS = 5.0
+SECONDS = 3.5
 MODE = "NFOV_2X2BINNED"
 """A quarter of the pixels: the recording is read seven times."""
 

@@ -1,4 +1,4 @@
-"""The real hand tracker on rendered hands, in projected light. About 12 s.
+"""The real hand tracker on rendered hands, in projected light. About 8 s.
 
 What it finds is a claim about the rendering; how far its landmark is off is reported, not tuned.
 """
@@ -19,7 +19,7 @@ from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.skeleton import FingerPose, posed
 from tests.kind_sensor import KIND_ROOM
 
-FRAMES = 30
+FRAMES = 20
 NEAR_PX = 30.0
 """A landmark further off than that has found something else."""
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -24,6 +25,7 @@ from halo_service.values import BadFrame, Frame, Tracked
 from halo_service.virtual.camera import FPS, factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.scenarios import start_scenario
+from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 from tests.kind_sensor import KIND_URL
 
@@ -53,8 +55,9 @@ def script() -> Script:
     return lines
 
 
-def needed(script: Script, at_s: float) -> bool:
+def needed(script: Script, number: int) -> bool:
     """Leave out most of what lies between the steps: it costs time, and belongs to none."""
+    at_s = number / FPS
     return any(float(line["from_s"]) - BEFORE_S <= at_s <= float(line["to_s"]) for line in script)
 
 
@@ -72,13 +75,21 @@ def drawn(script: Script, tmp_path_factory: pytest.TempPathFactory) -> DrawnReco
     drawn = DrawnRecording(tmp_path_factory.mktemp("recording") / "calibration.mkv", [])
     seconds = float(script[-1]["to_s"]) + 0.2
     in_memory = float(script[-1]["from_s"]) + SHORT_SWEEP_S + 0.2
-    with Recorder(drawn.path, factory(mode=MODE), fps=FPS, colour=False) as recorder:
-        for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
-            if frame is None or not needed(script, number / FPS):
-                continue
-            recorder.write(frame)
-            if number / FPS < in_memory:
-                drawn.frames.append(frame)
+    numbers = itertools.count()
+    draw = Sensor.frame
+
+    def draw_if_needed(self: Sensor, *arguments: Any) -> Frame | None:
+        return draw(self, *arguments) if needed(script, next(numbers)) else None
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Sensor, "frame", draw_if_needed)
+        with Recorder(drawn.path, factory(mode=MODE), fps=FPS, colour=False) as recorder:
+            for number, (frame, _) in enumerate(frames(SIM, seconds, colour=False)):
+                if frame is None:
+                    continue
+                recorder.write(frame)
+                if number / FPS < in_memory:
+                    drawn.frames.append(frame)
     return drawn
 
 

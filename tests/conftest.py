@@ -39,8 +39,9 @@ DRAWING = frozenset({"calibration", "hand_tracking", "sensing", "virtual"})
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """One more process than cores: many tests wait for a clock or for another program."""
-    return (os.cpu_count() or 1) + 1
+    """Two more processes than cores: nearly half of the tests' time is waiting for a clock or for
+    another program."""
+    return (os.cpu_count() or 1) + 2
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -120,7 +120,7 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
             profile = cached_profile(request.room, Settings(), virtual_profile)
             recording = SimulatedRecording(request, seconds, colour=False, start_s=EMPTY_S)
             source = RecordingSource(recording, truth)
-            detector = HandDetector(source.camera, profile, Settings().tracking)
+            detector = HandDetector(source.camera, profile, Settings().tracking, paced=True)
             try:
                 state = OURS.start(profile, Settings().sensing)
                 frames = list(replay(source, detector.detect, OURS, state))

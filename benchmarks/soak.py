@@ -14,11 +14,13 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import math
 import multiprocessing
 import os
 import resource
 import signal
 import socket
+import statistics
 import sys
 import tempfile
 import threading
@@ -269,30 +271,29 @@ class Evening:
         self.handles = (0, 0)
         self.ended_empty = False
         self._began_s = time.monotonic()
+        self._used: list[tuple[float, float, int]] = []
+        """Seconds since the start, memory in MB, open files; in each pause between two faults."""
 
     def run(self, seconds: float) -> None:
         """Switch faults until the time is over."""
-        began_s = self._began_s = time.monotonic()
+        self._began_s = time.monotonic()
         self._watch(60.0, lambda: self.seen.downs > 2)
         self._watch(min(WARM_UP_S, seconds / 5))
-        warm = False
-        while True:
+        rounds = 0
+        while not rounds or self._after_s() < seconds:
             for fault, (least_s, shows, _) in SWITCHED.items():
                 self._switched(fault, least_s, shows)
                 self._quiet()
-                if time.monotonic() - began_s > seconds and warm:
+                if rounds and self._after_s() > seconds:
                     break
-            if warm and time.monotonic() - began_s > seconds:
-                break
-            self._others()
-            megabytes, files = self._usage()
-            after_s = time.monotonic() - began_s
-            if not warm and after_s > min(FIRST_FAULTS_S, seconds / 2):
-                warm, self._warm = True, (megabytes, files)
-            print(f"after {after_s:.0f} s: {megabytes:.1f} MB, {files} files", flush=True)
-        used = self._usage()
-        self.memory_mb = (self._warm[0], used[0])
-        self.handles = (self._warm[1], used[1])
+            else:
+                self._others()
+                rounds += 1
+                _, megabytes, files = self._used[-1]
+                print(
+                    f"after {self._after_s():.0f} s: {megabytes:.1f} MB, {files} files", flush=True
+                )
+        self._compare(min(FIRST_FAULTS_S, seconds / 2))
         self._kill()
         os.kill(self._service.pid or 0, signal.SIGTERM)
         self._watch(15.0, lambda: not self._service.is_alive())
@@ -311,9 +312,8 @@ class Evening:
         """Note what a fault did; print at once where it is not as wanted."""
         self.rows.append((fault, reported_s, back_s))
         if reported_s is None or back_s is None or back_s > RECOVERED_S:
-            after_s = time.monotonic() - self._began_s
             said = f"reported {_seconds(reported_s)}, touch {_seconds(back_s)}"
-            print(f"after {after_s:.0f} s: {fault}: {said}", flush=True)
+            print(f"after {self._after_s():.0f} s: {fault}: {said}", flush=True)
 
     def _reported(self, before: Health | None, began_s: float, shows: Shows) -> float | None:
         """Wait until `health` shows a fault; return how long that took, None if it never did."""
@@ -412,6 +412,24 @@ class Evening:
         self._watch(QUIET_S)
         made = int((time.monotonic() - began_s) * TAPS_HZ) - 1  # one may be cut at each end
         self.lost += max(made - (self.seen.downs - before), 0)
+
+        self._used.append((self._after_s(), *self._usage()))
+
+    def _compare(self, warm_s: float) -> None:
+        """Compare memory and open files: medians of the first and the last quarter once it is warm.
+
+        Single values differ by a profile or two, which are replaced again and again.
+        """
+        warm = [each for each in self._used if each[0] > warm_s] or self._used[-1:]
+        part = math.ceil(len(warm) / 4)
+        ends = (warm[:part], warm[-part:])
+        first, last = (statistics.median(each[1] for each in end) for end in ends)
+        self.memory_mb = (first, last)
+        first, last = (statistics.median(each[2] for each in end) for end in ends)
+        self.handles = (round(first), round(last))
+
+    def _after_s(self) -> float:
+        return time.monotonic() - self._began_s
 
     def _recovery(self) -> float | None:
         ended_s = time.monotonic()

@@ -23,6 +23,8 @@ from halo_service.outputs.osc import OscOutput
 from halo_service.sensing import SensingSettings, start
 from tests.outputs.samples import TOUCHING, frame
 
+pytestmark = pytest.mark.slow
+
 
 @dataclass
 class Service:

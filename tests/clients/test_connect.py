@@ -31,6 +31,8 @@ from halo_service.web.server import WebServer
 from halo_service.web.settings import WebSettings
 from tests.outputs.samples import TOUCHING
 
+pytestmark = pytest.mark.slow
+
 DOWN = wire.Down(TOUCHING.id, 0, 0.5, 0.25, 210.0, 5.0, TOUCHING.contacts)
 NEVER = threading.Event()
 """The finger stays away."""

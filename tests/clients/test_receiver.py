@@ -23,6 +23,8 @@ from halo_protocol import (
     encode_frame,
 )
 
+pytestmark = pytest.mark.slow
+
 
 def receive_all(
     receiver: Receiver, until: Callable[[list[Event]], object], timeout_s: float = 10.0

@@ -23,6 +23,8 @@ from halo_service.sensing import SensingSettings, State, start, step
 from halo_service.sources import EndOfSource, Source, SourceLost
 from halo_service.values import BadFrame, Frame, SourceKind, Touch, TouchFrame, Tracked
 
+pytestmark = pytest.mark.slow
+
 FRAME_US = 33_333
 LATE_S = 0.3
 """The delay that a busy machine may add."""

@@ -14,6 +14,8 @@ from zeroconf import IPVersion, ServiceInfo, Zeroconf
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port, _addresses
 
+pytestmark = pytest.mark.slow
+
 PATIENCE_S = 15.0
 RUN = secrets.token_hex(4)
 """Part of the names: others on this machine may run these tests, too."""

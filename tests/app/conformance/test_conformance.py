@@ -23,6 +23,8 @@ from halo_service.app.conformance.script import rules
 from halo_service.errors import UserError
 from tests.browser import needs_chromium, visit
 
+pytestmark = pytest.mark.slow
+
 WEB = Path(__file__).parents[3] / "clients" / "web"
 LAST = "strangers"
 """The service that is lost last."""

@@ -93,6 +93,7 @@ for (const name of ["p5", "three"]) {
 """Both pages in one start of Chromium."""
 
 
+@pytest.mark.long  # WebGL without a graphics card takes a core for seconds.
 @needs_chromium
 def test_the_examples_draw_fingers(url: str) -> None:
     files = {each.name: each.read_text() for each in WEB.glob("*.js")} | {"index.html": BOTH}
@@ -101,7 +102,7 @@ def test_the_examples_draw_fingers(url: str) -> None:
         files |= {f"{name}/{Path(path).name}": library(path) for path in paths}
         page = f"{name}/index.html"
         files[page] = files[page].replace("</body>", LOOK)
-    found = visit(files, f"index.html?{url}")
+    found = visit(files, f"index.html?{url}", timeout_s=120.0)
     assert [each["text"] for each in found] == ["fingers: 4"] * 2
 
 

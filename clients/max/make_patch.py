@@ -65,82 +65,88 @@ class Patcher:
 
 def patch() -> str:
     """Return the text of the patcher."""
-    made = Patcher()
-    comment(made, (20, 10), f"halo serve --osc 127.0.0.1:{PORT}/flat", 420)
+    patcher = Patcher()
+    comment(patcher, (20, 10), f"halo serve --osc 127.0.0.1:{PORT}/flat", 420)
     comment(
-        made, (20, 30), "Nothing moves? halo test-pattern 127.0.0.1:7000/flat draws a circle.", 460
+        patcher,
+        (20, 30),
+        "Nothing moves? halo test-pattern 127.0.0.1:7000/flat draws a circle.",
+        460,
     )
-    receive = made.object(f"udpreceive {PORT}", (20, 60), 1, 1)
+    receive = patcher.object(f"udpreceive {PORT}", (20, 60), 1, 1)
     for column, value in enumerate(("slot", *VALUES, "hit")):
-        comment(made, (20 + COLUMN * column, 90), value, 60)
-    routes = [row(made, receive, slot) for slot in range(SLOTS)]
-    first_finger(made, routes[0])
-    return made.text()
+        comment(patcher, (20 + COLUMN * column, 90), value, 60)
+    routes = [row(patcher, receive, slot) for slot in range(SLOTS)]
+    first_finger(patcher, routes[0])
+    return patcher.text()
 
 
-def comment(made: Patcher, at: Place, words: str, width: float) -> None:
-    made.interface("comment", at, words, (width, 20.0))
+def comment(patcher: Patcher, at: Place, words: str, width: float) -> None:
+    patcher.interface("comment", at, words, (width, 20.0))
 
 
-def row(made: Patcher, receive: str, slot: int) -> str:
+def row(patcher: Patcher, receive: str, slot: int) -> str:
     """The values of one slot; returns its `route`."""
     y = 115.0 + ROW * slot
     words = " ".join(f"/halo/1/{SURFACE}/slot/{slot}/{value}" for value in VALUES)
     count = len(VALUES) + 1
-    route = made.object(f"route {words}", (20, y), count, count)
-    made.connect(receive, 0, route)
-    comment(made, (20, y + 24), str(slot), 40)
+    route = patcher.object(f"route {words}", (20, y), count, count)
+    patcher.connect(receive, 0, route)
+    comment(patcher, (20, y + 24), str(slot), 40)
     for outlet, value in enumerate(VALUES):
         at = (20.0 + COLUMN * (outlet + 1), y + 24)
-        number = made.interface("toggle" if value == "touch" else "flonum", at)
-        made.connect(route, outlet, number)
-    hit(made, route, (20.0 + COLUMN * (len(VALUES) + 1), y + 24))
+        number = patcher.interface("toggle" if value == "touch" else "flonum", at)
+        patcher.connect(route, outlet, number)
+    hit(patcher, route, (20.0 + COLUMN * (len(VALUES) + 1), y + 24))
     return route
 
 
-def hit(made: Patcher, route: str, at: Place) -> None:
+def hit(patcher: Patcher, route: str, at: Place) -> None:
     """A bang for each touch: its strike is in three frames, and 0 in all others."""
-    change = made.object("change", at, 1, 3)
-    select = made.object("sel 0.", (at[0] + 70, at[1]), 2, 2)
-    button = made.interface("button", (at[0] + 140, at[1]), size=(22.0, 22.0))
-    made.connect(route, VALUES.index("strike"), change)
-    made.connect(change, 0, select)
-    made.connect(select, 1, button)
+    change = patcher.object("change", at, 1, 3)
+    select = patcher.object("sel 0.", (at[0] + 70, at[1]), 2, 2)
+    button = patcher.interface("button", (at[0] + 140, at[1]), size=(22.0, 22.0))
+    patcher.connect(route, VALUES.index("strike"), change)
+    patcher.connect(change, 0, select)
+    patcher.connect(select, 1, button)
 
 
-def first_finger(made: Patcher, route: str) -> None:
+def first_finger(patcher: Patcher, route: str) -> None:
     """A slider that follows slot 0, and a tone: its place is the pitch, its pressure the level."""
     y = 640.0
     comment(
-        made, (20, y - 22), "slot 0: place, and sound (u is the pitch, pressure is the level)", 480
+        patcher,
+        (20, y - 22),
+        "slot 0: place, and sound (u is the pitch, pressure is the level)",
+        480,
     )
-    slider = made.interface("pictslider", (20, y), size=(120.0, 80.0))
+    slider = patcher.interface("pictslider", (20, y), size=(120.0, 80.0))
     for inlet, (value, text) in enumerate((("u", "* 127."), ("v", "!- 1."))):
-        scaled = made.object(text, (160 + 60 * inlet, y), 2, 1)
-        made.connect(route, VALUES.index(value), scaled)
+        scaled = patcher.object(text, (160 + 60 * inlet, y), 2, 1)
+        patcher.connect(route, VALUES.index(value), scaled)
         if value == "v":  # The slider's 0 is at the bottom, the surface's at the far edge.
-            up = made.object("* 127.", (160 + 60 * inlet, y + 30), 2, 1)
-            made.connect(scaled, 0, up)
+            up = patcher.object("* 127.", (160 + 60 * inlet, y + 30), 2, 1)
+            patcher.connect(scaled, 0, up)
             scaled = up
-        made.connect(scaled, 0, slider, inlet)
-    pitch = made.object("scale 0. 1. 110. 880.", (320, y), 6, 1)
-    tone = made.object("cycle~", (320, y + 30), 2, 1)
-    level = made.object("clip 0. 1.", (500, y), 3, 1)
-    ramp = made.object("pack 0. 30", (500, y + 30), 2, 1)
-    line = made.object("line~", (500, y + 60), 2, 2)
-    product = made.object("*~", (320, y + 60), 2, 1)
-    quiet = made.object("*~ 0.3", (320, y + 90), 2, 1)
-    speaker = made.interface("ezdac~", (420, y + 80), size=(45.0, 45.0))
-    made.connect(route, VALUES.index("u"), pitch)
-    made.connect(pitch, 0, tone)
-    made.connect(route, VALUES.index("pressure"), level)
+        patcher.connect(scaled, 0, slider, inlet)
+    pitch = patcher.object("scale 0. 1. 110. 880.", (320, y), 6, 1)
+    tone = patcher.object("cycle~", (320, y + 30), 2, 1)
+    level = patcher.object("clip 0. 1.", (500, y), 3, 1)
+    ramp = patcher.object("pack 0. 30", (500, y + 30), 2, 1)
+    line = patcher.object("line~", (500, y + 60), 2, 2)
+    product = patcher.object("*~", (320, y + 60), 2, 1)
+    quiet = patcher.object("*~ 0.3", (320, y + 90), 2, 1)
+    speaker = patcher.interface("ezdac~", (420, y + 80), size=(45.0, 45.0))
+    patcher.connect(route, VALUES.index("u"), pitch)
+    patcher.connect(pitch, 0, tone)
+    patcher.connect(route, VALUES.index("pressure"), level)
     for source, destination in ((level, ramp), (ramp, line)):
-        made.connect(source, 0, destination)
-    made.connect(tone, 0, product)
-    made.connect(line, 0, product, 1)
-    made.connect(product, 0, quiet)
-    made.connect(quiet, 0, speaker, 0)
-    made.connect(quiet, 0, speaker, 1)
+        patcher.connect(source, 0, destination)
+    patcher.connect(tone, 0, product)
+    patcher.connect(line, 0, product, 1)
+    patcher.connect(product, 0, quiet)
+    patcher.connect(quiet, 0, speaker, 0)
+    patcher.connect(quiet, 0, speaker, 1)
 
 
 if __name__ == "__main__":

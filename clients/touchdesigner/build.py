@@ -82,23 +82,23 @@ def circle_expressions(slot):
 
 
 def table(comp, name, place, columns, rows=0):
-    made = make(comp, "tableDAT", name, place)
-    made.clear()
-    made.appendRow(columns)
+    operator = make(comp, "tableDAT", name, place)
+    operator.clear()
+    operator.appendRow(columns)
     for slot in range(rows):
         values = {"slot": slot, "id": -1, "hover_mm": -1, "force_g": -1}
-        made.appendRow([values.get(column, 0) for column in columns])
+        operator.appendRow([values.get(column, 0) for column in columns])
 
 
 def make(comp, kind, name, place, **parameters):
-    made = comp.create(kind, name)
-    made.nodeX, made.nodeY = place
+    operator = comp.create(kind, name)
+    operator.nodeX, operator.nodeY = place
     for parameter, value in parameters.items():
         try:
-            setattr(made.par, parameter, value)
+            setattr(operator.par, parameter, value)
         except Exception:  # TouchDesigner's own error type; versions differ in a few names.
             print(f"halo: {name} has no parameter {parameter} here: set it to {value} by hand")
-    return made
+    return operator
 
 
 build(op("/project1"), folder)  # noqa: F821 - both are given where this text is executed

@@ -55,7 +55,7 @@ def test_all_report_the_hits_of_the_monitor(
     time.sleep(1.0)
     found = {"Pure Data": pd(), "SuperCollider": sclang(), "TouchDesigner": td.hits()}
     for name, theirs in found.items():
-        # They may have heard the next one, too.
+        # They may have received the next one, too.
         assert theirs[: len(hits)] == [pytest.approx(hit, rel=1e-5, abs=1e-4) for hit in hits], name
 
 

@@ -136,7 +136,7 @@ HaloFingers {
 		^ended
 	}
 
-	// [surface, kind] of an address, or nil. Addresses are few; a stranger's are not remembered.
+	// [surface, kind] of an address, or nil. Only the first 64 addresses are cached: any program can send more.
 	placeOf { |address|
 		var known = kinds[address], parts;
 		if(known.notNil) { ^known };

@@ -42,8 +42,8 @@ def lines(patcher: dict[str, Any]) -> list[tuple[list[Any], list[Any]]]:
 
 
 def test_the_file_is_what_its_script_writes(boxes: dict[str, Any], patcher: dict[str, Any]) -> None:
-    made = runpy.run_path(str(FOLDER / "make_patch.py"))["patch"]()
-    assert PATCH.read_text() == made, "run `python3 clients/max/make_patch.py`"
+    written = runpy.run_path(str(FOLDER / "make_patch.py"))["patch"]()
+    assert PATCH.read_text() == written, "run `python3 clients/max/make_patch.py`"
     assert len(boxes) == len(patcher["boxes"]), "an id is used twice"
 
 

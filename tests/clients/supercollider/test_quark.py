@@ -86,7 +86,7 @@ def test_the_class_and_the_example(
 
 
 def program_text(names: dict[str, str]) -> str:
-    """The program, with the two blocks of the example, whose server is the test."""
+    """The program, with the two blocks of the example. The test is the sound server."""
     blocks = re.findall(r"^\((.*?)^\)$", EXAMPLE.read_text(), re.MULTILINE | re.DOTALL)
     code = "".join(blocks).replace("s.boot;", "")
     vectors = "[" + ",\n".join(in_sclang(vector) for vector in ASSEMBLY) + "]"

@@ -1,0 +1,90 @@
+"""This commit's cost beside an older one's, in one run.
+
+    uv run python benchmarks/beside.py [COMMIT] [--rounds N]
+
+Checks the older commit out into a temporary folder and runs each case in both, in turns, so that
+other load on the machine affects both. Prints the CPU time of the process and the ratio. Both use
+this environment's packages.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDERS = ("", "calibration", "protocol")
+"""What a checkout puts on Python's path."""
+SENSOR = """
+import time, cv2
+from halo_service.virtual.scenarios import start_scenario
+from halo_service.virtual.sensor import Sensor
+from halo_service.virtual.sim_url import parse_sim_url
+cv2.setNumThreads(1)
+request = parse_sim_url("sim:{scenario}?drop=0")
+running = start_scenario(request.scenario, request.room)
+sensor = Sensor(request.room, colour_times={times})
+if {live} and hasattr(sensor, "with_colour"):
+    sensor.with_colour(False)  # as the service does once its background is measured
+def draw(k):
+    moment = running.at(5.0 + k / 30.0)
+    sensor.frame(5_000_000 + 33_333 * k, moment.hands, moment.things)
+draw(0)
+began_s = time.process_time()
+for k in range(1, 91):
+    draw(k)
+print(1000.0 * (time.process_time() - began_s) / 90)
+"""
+IMPORTS = """
+import time
+import halo_service.app.service.serve
+import halo_service.hand_tracking.hands
+print(1000.0 * time.process_time())
+"""
+CASES = (
+    ("virtual camera, live, one hand, ms a frame", SENSOR.format(scenario="demo", times=2, live=1)),
+    ("virtual camera, live, two hands", SENSOR.format(scenario="drumming", times=2, live=1)),
+    ("virtual camera, full, two hands", SENSOR.format(scenario="drumming", times=1, live=0)),
+    ("imports of 'halo serve', ms", IMPORTS),
+)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("commit", nargs="?", default="HEAD~1")
+    parser.add_argument("--rounds", type=int, default=3)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        older = Path(scratch) / "older"
+        git("worktree", "add", "--detach", str(older), given.commit)
+        try:
+            for name, code in CASES:
+                pairs = [(cost(older, code), cost(ROOT, code)) for _ in range(given.rounds)]
+                before, now = (statistics.median(each) for each in zip(*pairs, strict=True))
+                print(f"{name:44} {before:8.1f} {now:8.1f}   ratio {now / before:4.2f}", flush=True)
+        finally:
+            git("worktree", "remove", "--force", str(older))
+
+
+def cost(checkout: Path, code: str) -> float:
+    """Run code on a checkout; return the number that it prints."""
+    path = os.pathsep.join(str(checkout / folder) for folder in FOLDERS)
+    environment = os.environ | {"PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, cwd="/", check=True, stdout=subprocess.PIPE)
+    return float(done.stdout)
+
+
+def git(*arguments: str) -> None:
+    """Run git in this checkout."""
+    subprocess.run(["git", "-C", str(ROOT), *arguments], check=True, capture_output=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -11,11 +11,13 @@ import socket
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import halo_protocol as wire
 
 LISTEN_S = 10.0
+GAP_S = 0.05
 
 
 def main() -> None:
@@ -40,17 +42,25 @@ def main() -> None:
 def listen(client: socket.socket, began_s: float) -> None:
     """Print what arrives."""
     first: dict[type, float] = {}
-    frames, health, until_s = 0, None, float("inf")
+    arrived: dict[int, float] = {}
+    health, until_s = None, float("inf")
     while time.monotonic() < until_s:
         for _, message in wire.decode(client.recv(65_536)):
             if type(message) not in first:
                 first[type(message)] = time.monotonic() - began_s
                 if isinstance(message, wire.Pointer):
-                    frames, until_s = 0, time.monotonic() + LISTEN_S
-            frames += isinstance(message, wire.Frame)
+                    arrived.clear()
+                    until_s = time.monotonic() + LISTEN_S
+            if isinstance(message, wire.Frame):  # a frame may be sent again
+                arrived.setdefault(message.frame, time.monotonic())
             health = message if isinstance(message, wire.Health) else health
     print(f"first frame {first[wire.Frame]:.1f} s, first pointer {first[wire.Pointer]:.1f} s")
-    print(f"{frames / LISTEN_S:.1f} frames a second over {LISTEN_S:.0f} s")
+    times = sorted(arrived.values())
+    long = sum(after - before > GAP_S for before, after in pairwise(times))
+    print(
+        f"{len(times) / LISTEN_S:.1f} frames a second over {LISTEN_S:.0f} s, "
+        f"{long / max(len(times) - 1, 1):.1%} of the gaps over {1000 * GAP_S:.0f} ms"
+    )
     if health is not None:
         print(f"received -> sent {health.latency_ms:.1f} ms, hands {health.tracker_ms:.0f} ms old")
 

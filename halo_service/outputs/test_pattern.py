@@ -83,7 +83,7 @@ class Pattern:
             vy_mm_s=speed_mm_s * math.sin(turn),
             confidence=1.0,
             contacts=math.floor(t_s / TURN_S) + 1,
-            diagnostics=_diagnostics(1.0 + 0.5 * pressure if touching else -rise),
+            diagnostics=_diagnostics(1.0 + 0.5 * pressure if touching else -rise, touching),
         )
 
     def _event(self, kind: str, at_s: float, t_s: float) -> TouchEvent:
@@ -112,5 +112,7 @@ def _changes(before_s: float, t_s: float) -> list[tuple[str, float]]:
     return [(kind, at_s) for kind, at_s in every if before_s < at_s <= t_s]
 
 
-def _diagnostics(level: float) -> Diagnostics:
-    return Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), 0.0, 0.0, level, 0.0, 45.0, 0.0)
+def _diagnostics(level: float, touching: bool) -> Diagnostics:
+    nowhere = (0.0, 0.0, 0.0), (0.0, 0.0)
+    probability = 1.0 if touching else 0.0
+    return Diagnostics(*nowhere, 0.0, 0.0, level, 0.0, 45.0, 0.0, probability=probability)

@@ -1,4 +1,4 @@
-// Level, height and force of the last ten seconds, with the thresholds.
+// Contact, height and force of the last ten seconds, with the thresholds.
 
 import { colour, el, fitted } from "../dom.js";
 
@@ -8,12 +8,12 @@ const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
 
 export class Strip {
   constructor() {
-    this.canvas = el("canvas", { role: "img", "aria-label": "Level, height and force over the last ten seconds" });
+    this.canvas = el("canvas", { role: "img", "aria-label": "Contact, height and force over the last ten seconds" });
     this.element = el(
       "figure",
       {},
       this.canvas,
-      el("figcaption", {}, "Level: 0 as near as possible without touch, 1 a touch. Dashed: where a touch begins and ends. Thick: touching."),
+      el("figcaption", {}, "Contact: how probable it is that the finger touches. Dashed: where a touch begins and ends. Thick: touching."),
     );
     this.thresholds = {};
     this.points = []; // {at, slot, probability, height, force, touch}
@@ -37,20 +37,20 @@ export class Strip {
     const { down_level, up_level, hover_range_mm, press_g } = this.thresholds;
     const forces = this.points.map((each) => each.force ?? 0);
     const rows = [
-      { name: "probability", unit: "", low: 0, high: 1, marks: [[down_level, "down"], [up_level, "up"]] },
-      { name: "height", unit: "mm", low: 0, high: Math.min(hover_range_mm ?? 100, 60), marks: [] },
-      { name: "force", unit: "g", low: 0, high: Math.max(1.3 * (press_g ?? 100), ...forces), marks: press_g ? [[press_g, "press"]] : [] },
+      { name: "probability", label: "contact", unit: "", low: 0, high: 1, marks: [[down_level, "down"], [up_level, "up"]] },
+      { name: "height", label: "height", unit: "mm", low: 0, high: Math.min(hover_range_mm ?? 100, 60), marks: [] },
+      { name: "force", label: "force", unit: "g", low: 0, high: Math.max(1.3 * (press_g ?? 100), ...forces), marks: press_g ? [[press_g, "press"]] : [] },
     ];
     const tall = height / rows.length;
     rows.forEach((row, n) => this.drawRow(context, row, n * tall + 6, tall - 12, width, now));
   }
 
-  drawRow(context, { name, unit, low, high, marks }, top, tall, width, now) {
+  drawRow(context, { name, label, unit, low, high, marks }, top, tall, width, now) {
     const y = (value) => top + tall * (1 - (Math.min(Math.max(value, low), high) - low) / (high - low));
     const x = (at) => width - ((now - at) / SPAN_MS) * (width - LEFT_PX);
     context.font = "12px system-ui, sans-serif";
     context.fillStyle = colour("soft");
-    context.fillText(name, 4, top + 11);
+    context.fillText(label, 4, top + 11);
     context.fillText(`${Math.round(high * 10) / 10} ${unit}`, 4, top + 26);
     context.strokeStyle = colour("line");
     context.lineWidth = 1;

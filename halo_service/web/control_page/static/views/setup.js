@@ -159,7 +159,7 @@ class StepRow {
       if (input.value !== "") request[key] = Number(input.value);
     }
     if (request.by === "picture") request.corners_px = this.corners.corners();
-    await this.service.call("wizard-run", request);
+    this.service.value(await this.service.call("wizard-run", request));
     scrollTo({ top: 0, behavior: "smooth" });
   }
 

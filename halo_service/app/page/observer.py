@@ -126,6 +126,11 @@ class PageObserver:
             self._server.post(lambda: self._show_scene(state))
         return state
 
+    @property
+    def needs_colour(self) -> bool:
+        """Whether a page shows the colour picture, or a recording or the wizard runs."""
+        return bool(self.taps) or self._server.shows("colour")
+
     def watch(self, frame: Frame) -> None:
         """Note a camera frame."""
         self._frame = frame

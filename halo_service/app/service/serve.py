@@ -109,8 +109,8 @@ def serve(
             systemd.alive()
             state = handler.handle(state, source)
             if isinstance(source, ColourSwitch):
-                taps = page.observer.taps if page else ()
-                source.with_colour(bool(taps) or _needs_colour(reloader.profile))
+                shown = page is not None and page.observer.needs_colour
+                source.with_colour(shown or _needs_colour(reloader.profile))
             return page.observer.turn(state) if page else state
 
         def watch(frame: Frame) -> None:

@@ -94,8 +94,12 @@ class PageServer:
 
     def wanted(self) -> set[str]:
         """Return the pictures that a page waits for; from any thread."""
-        clients = list(self.clients)
+        clients = tuple(self.clients)
         return {kind for kind in PICTURES if any(client.wants(kind) for client in clients)}
+
+    def shows(self, kind: str) -> bool:
+        """Whether a page shows a kind of picture; from any thread."""
+        return any(kind in client.shows for client in tuple(self.clients))
 
     def send_picture(self, kind: str, data: bytes) -> None:
         """Send a picture to the pages that show it; from the server's thread."""

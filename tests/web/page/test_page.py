@@ -25,6 +25,7 @@ VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "record", 
 START_S, STEP_MS = 90.0, 300_000
 """Patience with a busy machine."""
 FIRST_PAINT_MS = 1000.0
+WIDTH_PX = 1200
 
 pytestmark = pytest.mark.long
 
@@ -84,7 +85,7 @@ def chromium(external_program: Callable[[str], str]) -> Iterator[Any]:
 @pytest.fixture
 def page(chromium: Any) -> Iterator[Any]:
     """A page; whatever it reports as an error fails the test."""
-    page = chromium.new_context(viewport={"width": 1200, "height": 900}).new_page()
+    page = chromium.new_context(viewport={"width": WIDTH_PX, "height": 900}).new_page()
     page.set_default_timeout(20_000)
     errors: list[str] = []
     page.on("console", lambda each: errors.append(each.text) if each.type == "error" else None)
@@ -260,6 +261,6 @@ def test_from_an_empty_folder_to_a_verified_profile_through_the_page_alone(
         print(f"{step}: {time.monotonic() - started_s:.0f} s:", *verdict.split())
         assert page.locator(".prompt.good").count() == 1, verdict
     page.wait_for_selector("text=Still missing: sweep.")
-    assert popup.evaluate("document.getElementById('picture').width") == 1280
+    assert popup.evaluate("document.getElementById('picture').width") == WIDTH_PX
     open_view(page, service, "profiles")
     page.wait_for_selector(".card:has-text('stage') >> text=in use")

@@ -18,13 +18,16 @@ from typing import TypeVar
 import cv2
 
 from halo_service.evaluation.study.calibrate import by_script
+from halo_service.evaluation.study.plan import CALIBRATION, User
 from halo_service.evaluation.study.recording import load, restored
 from halo_service.evaluation.study.simulate import background_of
+from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.sensing import SensingSettings, start, step
 from halo_service.sensing.background import excess_depth
 from halo_service.sensing.detections import Fingers
 from halo_service.values import Frame, Tracked
+from halo_service.virtual.sim_url import parse_sim_url
 
 T = TypeVar("T")
 FRAMES = 300
@@ -42,7 +45,7 @@ def main() -> int:
     cv2.setNumThreads(1)  # as `halo serve` does
     calibration = load(folder / "calibration.npz")
     background = background_of(calibration)
-    profile = by_script(calibration, background, SensingSettings())
+    profile = by_script(calibration, _camera(folder), background, SensingSettings())
     for task, fingers, count in CASES:
         frames = list(islice(restored(load(folder / f"{task}.npz"), background), FRAMES))
         sensing, difference = costs(profile, SensingSettings(fingers=fingers), frames, count)
@@ -52,6 +55,13 @@ def main() -> int:
             flush=True,
         )
     return 0
+
+
+def _camera(folder: Path) -> Camera:
+    """Return the camera of a user's folder, SEED-MATERIAL or SEED-MATERIAL-kind."""
+    seed, material, *sensor = folder.name.split("-")
+    user = User(int(seed), material, *sensor)
+    return parse_sim_url(user.source(CALIBRATION)).room.camera()
 
 
 def costs(

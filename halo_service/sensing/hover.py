@@ -80,7 +80,8 @@ def _halo_height(signal: Signal, states: TouchStates) -> tuple[float, float, flo
     hover_mm = states.hover.height_mm
     tail = min(max(height_mm - hover_mm, 0.0) / max(ONSET_MM - hover_mm, 1.0), 1.0)
     curve_mm = CURVE_MM + (TAIL_CURVE_MM - CURVE_MM) * tail
-    share = min(max(halo / (FADED * -nothing), 0.0), 1.0)
+    faded = FADED * -nothing
+    share = min(max(halo / faded, 0.0), 1.0) if faded > 0.0 else float(halo > 0.0)
     return height_mm, math.hypot(float(above - below) / 2.0, curve_mm), share
 
 

@@ -307,6 +307,15 @@ def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: fl
     assert hover_height(signal(dent_mm), tip, dented)[0] == pytest.approx(height_mm)
 
 
+def test_no_halo_at_the_calibrated_hover_height_divides_by_nothing(dented: TouchStates) -> None:
+    """As on a dark cloth, where the halo first shows nearer to the surface."""
+    faint = replace(dented, hover=replace(dented.hover, readings=(0.0,) * 4))
+    tip = tip_at(320, 288, 25.0)
+    heights = [hover_height(signal(dent_mm), tip, faint)[0] for dent_mm in (0.0, 3.0, 9.0)]
+    assert heights == sorted(heights, reverse=True)
+    assert heights[0] == pytest.approx(11.0)  # by its own depth: 25 mm less 14
+
+
 def test_hover_falls_without_a_jump_from_above_the_halo_to_the_surface(
     dented: TouchStates,
 ) -> None:

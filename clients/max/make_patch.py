@@ -103,12 +103,10 @@ def row(patcher: Patcher, receive: str, slot: int) -> str:
 
 def hit(patcher: Patcher, route: str, at: Place) -> None:
     """A bang for each touch: its strike is in three frames, and 0 in all others."""
-    change = patcher.object("change", at, 1, 3)
-    select = patcher.object("sel 0.", (at[0] + 70, at[1]), 2, 2)
-    button = patcher.interface("button", (at[0] + 140, at[1]), size=(22.0, 22.0))
+    change = patcher.object("change 0.", at, 1, 3)
+    button = patcher.interface("button", (at[0] + 80, at[1]), size=(22.0, 22.0))
     patcher.connect(route, VALUES.index("strike"), change)
-    patcher.connect(change, 0, select)
-    patcher.connect(select, 1, button)
+    patcher.connect(change, 1, button)  # Its middle outlet sends when 0 becomes another number.
 
 
 def first_finger(patcher: Patcher, route: str) -> None:

@@ -17,7 +17,7 @@ from tests.outputs.samples import TOUCHING, frame
 FOLDER = Path(__file__).parents[3] / "clients" / "max"
 PATCH = FOLDER / "halo.maxpat"
 REFERENCE = {
-    "udpreceive": (1, 1), "change": (1, 3), "sel": (2, 2), "*": (2, 1), "!-": (2, 1),
+    "udpreceive": (1, 1), "change": (1, 3), "*": (2, 1), "!-": (2, 1),
     "scale": (6, 1), "cycle~": (2, 1), "clip": (3, 1), "pack": (2, 1), "line~": (2, 2),
     "*~": (2, 1), "comment": (1, 0), "flonum": (1, 2), "toggle": (1, 1), "button": (1, 1),
     "pictslider": (2, 2), "ezdac~": (2, 0),

@@ -17,7 +17,7 @@ const url = decodeURIComponent(location.search.slice(1)) || "ws://127.0.0.1:4258
 const halo = connect(url, {
   frame: (frame) => (pointers = frame.pointers),
   report: (report) => {
-    if (report.kind === "scene" && report.width_mm !== size.width_mm) resize(report);
+    if (report.kind === "scene" && isNewSize(report)) resize(report);
   },
   lost: () => (pointers = []),
 });
@@ -39,6 +39,9 @@ const table = new THREE.Mesh(
 );
 scene.add(table);
 resize(size);
+
+const isNewSize = ({ width_mm, height_mm }) =>
+  width_mm !== size.width_mm || height_mm !== size.height_mm;
 
 function resize(report) {
   size = report;

@@ -204,12 +204,12 @@ def levels(*values: float, speed_mm_s: float = 0.0, deviation: float = 0.3) -> l
     [
         ((-1.0, -1.0, 1.0, 1.0), [False, False, True, True]),
         ((-1.0, -0.5, 0.0, 0.15), [False, False, False, False]),
-        ((0.0, 0.0, 1.0, 0.25, 0.0), [False, False, True, True, False]),
+        ((0.0, 0.0, 1.0, 0.25, -0.05), [False, False, True, True, False]),
         ((1.0, 1.0, 1.0, -1.0, -1.0, 1.0), [*[False] * 5, True]),
         ((2.1, 2.1, 2.6, 1.9, *[-1.0] * 30, 1.0), [*[False] * 34, True]),
         ((*[0.1] * 60, 0.3, 0.1), [False] * 62),
         ((*[0.2] * 60, 0.6), [*[False] * 60, True]),
-        (tuple(0.044 * n - 1.0 for n in range(45)), [*[False] * 32, *[True] * 13]),
+        (tuple(0.044 * n - 1.0 for n in range(45)), [*[False] * 31, *[True] * 14]),
     ],
     ids=[
         "a tap",

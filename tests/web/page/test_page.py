@@ -149,6 +149,15 @@ def test_the_live_view_shows_fingers_and_only_the_chosen_pictures(
     assert page.locator(".pictures canvas").count() == 2
 
 
+def test_the_projector_page_fills_its_window_from_the_first_pixel(
+    service: Service, page: Any
+) -> None:
+    page.goto(f"{service.url}projector.html")
+    page.wait_for_selector("#size:has-text('pixels')")
+    box = page.locator("#picture").bounding_box()
+    assert box == {"x": 0, "y": 0, "width": WIDTH_PX, "height": 900}
+
+
 def test_a_setting_is_changed_with_the_keyboard_alone_and_read_back(
     service: Service, page: Any
 ) -> None:

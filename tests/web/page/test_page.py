@@ -149,6 +149,42 @@ def test_the_live_view_shows_fingers_and_only_the_chosen_pictures(
     assert page.locator(".pictures canvas").count() == 2
 
 
+def test_a_finger_drags_a_corner_without_scrolling_the_page(
+    service: Service, chromium: Any
+) -> None:
+    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    page = context.new_page()
+    open_view(page, service, "setup")
+    page.select_option("#by-surface", "picture")
+    page.wait_for_selector("figure canvas[width='160']")
+    picture = page.locator("figure canvas")
+    picture.scroll_into_view_if_needed()
+    page.locator("figure button").first.press("ArrowRight")  # the corners are there
+    box, before = picture.bounding_box(), page.evaluate("scrollY")
+    touch = context.new_cdp_session(page)
+
+    def send(kind: str, *points: tuple[float, float]) -> None:
+        at = [
+            {"x": box["x"] + x * box["width"], "y": box["y"] + y * box["height"]} for x, y in points
+        ]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": at})
+
+    colour = """([x, y]) => {
+      const canvas = document.querySelector("figure canvas");
+      const at = [x * canvas.width, y * canvas.height];
+      return [...canvas.getContext("2d").getImageData(...at, 1, 1).data];
+    }"""
+    target = (0.2, 0.1)
+    send("touchStart", (0.27, 0.38))
+    for n in range(1, 11):
+        send("touchMove", (0.27 - 0.007 * n, 0.38 - 0.028 * n))
+    send("touchEnd")
+    red, _, blue, _ = page.evaluate(colour, target)
+    assert red - blue > 100, "the yellow corner is where the finger left it"
+    assert page.evaluate("scrollY") == before
+    context.close()
+
+
 def test_the_projector_page_fills_its_window_from_the_first_pixel(
     service: Service, page: Any
 ) -> None:

@@ -15,7 +15,8 @@ export function el(tag, properties = {}, ...children) {
 export const card = (title, ...children) =>
   el("section", { className: "card" }, title && el("h2", {}, title), ...children);
 
-export function button(text, run, properties = {}) {
+// `off`: whether the button stays disabled after the call.
+export function button(text, run, { off = () => false, ...properties } = {}) {
   const made = el("button", { type: "button", ...properties }, text);
   made.addEventListener("click", async () => {
     made.disabled = true;
@@ -24,7 +25,7 @@ export function button(text, run, properties = {}) {
     } catch (error) {
       toast(error.message);
     } finally {
-      made.disabled = false;
+      made.disabled = off();
     }
   });
   return made;

@@ -3,7 +3,7 @@
 import { colour, el, fitted } from "../dom.js";
 
 const SPAN_MS = 10_000;
-const LEFT_PX = 46;
+const LEFT_PX = 56;
 const DASHES = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
 
 export class Strip {
@@ -63,7 +63,7 @@ export class Strip {
       context.moveTo(LEFT_PX, y(value));
       context.lineTo(width, y(value));
       context.stroke();
-      context.fillText(words, LEFT_PX + 4, words === "up" ? y(value) + 11 : y(value) - 2);
+      context.fillText(words, LEFT_PX + (words === "up" ? 44 : 4), y(value) - 2);
     }
     const last = new Map();
     for (const point of this.points) {

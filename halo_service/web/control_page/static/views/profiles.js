@@ -12,7 +12,7 @@ export function mount(root, service) {
     place.replaceChildren(
       error ? el("p", { className: "bad" }, error) : "",
       profiles.length === 0
-        ? card("", el("p", {}, "There is no profile yet. Set up makes one."), el("a", { className: "button", href: "#setup" }, "Open Set up"))
+        ? card("", el("p", {}, "There is no profile of yours yet. Set up writes one. (The virtual camera's own is not listed.)"), el("a", { className: "button", href: "#setup" }, "Open Set up"))
         : el("div", { className: "cards" }, profiles.map((each) => profileCard(each, each.name === in_use))),
       service.operator ? importer() : "",
     );

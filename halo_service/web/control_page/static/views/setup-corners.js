@@ -10,6 +10,7 @@ export class CornerPicture {
   constructor(service) {
     this.service = service;
     this.places = null;
+    this.held = null;
     this.size = [320, 288];
     this.canvas = el("canvas", { width: 320, height: 288, "aria-hidden": "true" });
     this.handles = NAMES.map((name, n) => el("button", {
@@ -24,7 +25,9 @@ export class CornerPicture {
     );
     this.canvas.addEventListener("pointerdown", (event) => this.grab(event));
     this.canvas.addEventListener("pointermove", (event) => this.drag(event));
-    this.canvas.addEventListener("pointerup", () => (this.held = null));
+    for (const end of ["pointerup", "pointercancel"]) this.canvas.addEventListener(end, () => (this.held = null));
+    // A finger that holds a corner must not scroll the page; next to the corners it still may.
+    this.canvas.addEventListener("touchstart", (event) => this.held !== null && event.preventDefault(), { passive: false });
     this.stop = null;
   }
 
@@ -62,18 +65,29 @@ export class CornerPicture {
     if (!this.bitmap || !this.places) return;
     const context = this.canvas.getContext("2d");
     context.drawImage(this.bitmap, 0, 0);
-    context.strokeStyle = context.fillStyle = "#ffe066";
-    context.lineWidth = 2;
+    context.fillStyle = "#ffe066";
     context.font = "12px system-ui, sans-serif";
     context.beginPath();
     this.places.forEach(([x, y], n) => (n ? context.lineTo(x, y) : context.moveTo(x, y)));
     context.closePath();
-    context.stroke();
+    // Yellow on a dark edge: the picture may be as bright as the yellow.
+    for (const [colour, width] of [["#000", 4], ["#ffe066", 2]]) {
+      context.strokeStyle = colour;
+      context.lineWidth = width;
+      context.stroke();
+    }
+    context.strokeStyle = "#000";
+    context.lineWidth = 3;
     this.places.forEach(([x, y], n) => {
       context.beginPath();
       context.arc(x, y, 6, 0, 2 * Math.PI);
+      context.stroke();
       context.fill();
-      context.fillText(NAMES[n], x + 9, y - 7);
+      const inside = x + 9 + context.measureText(NAMES[n]).width < this.size[0];
+      context.textAlign = inside ? "left" : "right";
+      const at = inside ? x + 9 : x - 9;
+      context.strokeText(NAMES[n], at, y - 7);
+      context.fillText(NAMES[n], at, y - 7);
     });
   }
 
@@ -94,7 +108,7 @@ export class CornerPicture {
   }
 
   drag(event) {
-    if (this.held === null || this.held === undefined) return;
+    if (this.held === null) return;
     this.move(this.held, this.at(event));
   }
 

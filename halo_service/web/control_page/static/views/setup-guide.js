@@ -30,6 +30,7 @@ export class Guide {
     this.words.textContent = "Starting.";
     for (const part of [this.left, this.seen, this.map, this.said]) part.textContent = "";
     this.map.hidden = this.signal.hidden = true;
+    this.drawRing({ share: 0 });
   }
 
   show(guide) {

@@ -7,11 +7,11 @@ import { Guide } from "./setup-guide.js";
 const STEPS = {
   camera: "Where it is, what it measures, how bright it is. Nothing is stored.",
   background: "The empty surface. Clear it, and keep hands away.",
-  surface: "Where your area is on the table. 'view' puts it in the middle of the picture; choose another way to place it yourself.",
+  surface: "Where your area is on the table. It is put in the middle of the picture; choose another way to place it yourself. 'halo targets' writes the sheet to print.",
   touch: "Hold your index finger in each state that is asked for, still, for a few seconds.",
-  sweep: "Draw the finger over the whole surface on the 45 degree wedge, for even touches everywhere.",
+  sweep: "Put the finger on the printed 45 degree wedge (calibration/targets), and slide both over the whole surface, for even touches everywhere.",
   projector: "Where its pixels are on the surface. Skip it without a projector.",
-  anchor: "A printed marker that a headset sees too. Skip it without one.",
+  anchor: "A printed marker that a headset sees too; 'halo targets' writes it. Skip it without a headset.",
   verify: "Touch each projected crossing, and see the errors in mm and px. It needs the projector.",
 };
 const OPTIONAL = ["projector", "anchor", "verify"];
@@ -32,7 +32,7 @@ export function mount(root, service) {
   const rows = new Map();
   const list = el("ol", { className: "steps" });
   const verdict = el("div", { role: "status" });
-  const running = el("div");
+  const running = el("div", { id: "running" });
   const corners = new CornerPicture(service);
   let state = null;
 
@@ -54,7 +54,7 @@ export function mount(root, service) {
     );
     running.replaceChildren(
       value.running
-        ? el("div", { className: "row" }, el("strong", {}, `${value.running} runs`), button("Stop", () => service.call("wizard-stop"), { className: "danger" }))
+        ? el("div", { className: "row" }, el("strong", {}, `Running: ${value.running}`), button("Stop", () => service.call("wizard-stop"), { className: "danger" }))
         : "",
       value.running ? guide.element : "",
     );
@@ -96,12 +96,12 @@ const title = (step) => `${Object.keys(STEPS).indexOf(step) + 1}. ${step[0].toUp
 
 class StepRow {
   constructor(step, words, service, corners, state) {
-    Object.assign(this, { step, service, corners, state });
+    Object.assign(this, { step, service, corners });
     this.result = el("p", { className: "small" });
     this.extra = el("div");
     this.inputs = new Map();
     const optional = OPTIONAL.includes(step) ? el("span", { className: "soft" }, " (optional)") : "";
-    this.start = button("Start", () => this.run(), { className: "main", "aria-label": `Start ${step}` });
+    this.start = button("Start", () => this.run(), { className: "main", "aria-label": `Start ${step}`, off: () => Boolean(state()?.running) });
     this.element = el(
       "li",
       {},
@@ -160,7 +160,7 @@ class StepRow {
     }
     if (request.by === "picture") request.corners_px = this.corners.corners();
     this.service.value(await this.service.call("wizard-run", request));
-    scrollTo({ top: 0, behavior: "smooth" });
+    document.getElementById("running").scrollIntoView({ behavior: "smooth" });
   }
 
   show(state) {

@@ -21,7 +21,7 @@ CONTACT_LEVEL = 0.5
 LEVEL_ODDS, RISE_ODDS, OWN_ODDS = 1.7, 0.2, 0.8
 """Log-odds for each standard deviation of the level, of its rise in one frame, and of the finger's
 own depth (a logistic regression on tuning users, rounded). A normal distribution is worth 1.7; the
-own depth is worth half, for a fingertip that is found beside its place reads another depth."""
+own depth is worth half, for a fingertip that is found next to its place reads another depth."""
 PRIOR_ODDS = 0.9
 """Log-odds where the level is at contact and nothing else is measured (the regression gives 0.7;
 higher, so that a touch where the halo is weaker than the sweep predicts is not missed)."""

@@ -31,7 +31,7 @@ class Detector:
     """How long before `time_us` the finger met or left the surface, if it just did."""
     was_apart: bool = True
     """Whether it was ever seen apart from the surface: one that was found pressing must lift first,
-    because nobody knows when it came down."""
+    because it is unknown when it came down."""
 
 
 def detect(

@@ -35,8 +35,6 @@ WEIGHT = 14.0
 """Of the fit against these errors: a fit that is worse by 0.07 is as unlikely as one error."""
 LEAST_FIT = 0.4
 """Of 2: a worse fit is no finger (chosen: 1.0 to 1.4 on fingers, 0.5 where half is hidden)."""
-
-
 AROUND = 3
 """Samples to each side over which the best place is averaged (chosen: half a finger)."""
 
@@ -63,7 +61,7 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
     known; `guess`: in its pixels; `radius_mm`: of the tip.
     """
     template, margin = _template(radius_mm), round(LENGTH_MM / STEP_MM) + 1
-    at, along, across = _search(margin)
+    at = _places(margin)
     best, most = None, -math.inf
     for degrees in TURNS_DEG:
         place = guess.turned(math.radians(degrees))
@@ -75,7 +73,7 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
         if likely[row, column] > most:
             most = float(likely[row, column])
             ahead, aside = _mean_around(likely, row, column)
-            place = place.moved(along + STEP_MM * ahead, across + STEP_MM * aside)
+            place = place.moved(STEP_MM * ahead - ALONG_MM, STEP_MM * aside - ACROSS_MM)
             best = Fit(place, float(inner[row, column]))
     return best if best is not None and best.quality >= LEAST_FIT else None
 
@@ -110,15 +108,12 @@ def _template(radius_mm: float) -> _Template:
 
 
 @lru_cache(maxsize=2)
-def _search(margin: int) -> tuple[Grid, float, float]:
-    """Return the grid of samples, and the first place that is tried, along and across."""
-    far, wide = round(ALONG_MM / STEP_MM), round(ACROSS_MM / STEP_MM)
-    rows, columns = np.arange(-far, far + 1), np.arange(-wide, wide + 1)
-    around = (np.arange(each[0] - margin, each[-1] + margin + 1) for each in (rows, columns))
-    samples = grid(*around)
-    step = np.float32(STEP_MM)
-    at = samples._replace(along=samples.along * step, across=samples.across * step)
-    return at, STEP_MM * float(rows[0]), STEP_MM * float(columns[0])
+def _places(margin: int) -> Grid:
+    """Return the places that are tried for the end, and as many rows and columns around them."""
+    rows, columns = (round(each / STEP_MM) + margin for each in (ALONG_MM, ACROSS_MM))
+    steps = grid(np.arange(-rows, rows + 1), np.arange(-columns, columns + 1))
+    size = np.float32(STEP_MM)
+    return Grid(steps.along * size, steps.across * size)
 
 
 @lru_cache(maxsize=len(TURNS_DEG))
@@ -127,9 +122,7 @@ def _unlikely(degrees: float) -> Floats:
 
     Large errors are more frequent than a normal distribution has them.
     """
-    far, wide = round(ALONG_MM / STEP_MM), round(ACROSS_MM / STEP_MM)
-    offsets = grid(np.arange(-far, far + 1), np.arange(-wide, wide + 1))
-    along, across, turn = offsets.along * STEP_MM, offsets.across * STEP_MM, math.radians(degrees)
+    (along, across), turn = _places(0), math.radians(degrees)
     ahead = math.cos(turn) * along - math.sin(turn) * across
     aside = math.sin(turn) * along + math.cos(turn) * across
     return np.asarray(

@@ -88,7 +88,7 @@ def outline(
 ) -> Outline | None:
     """Return the finger's outline near a guess, or None where no finger is.
 
-    `segmentation`: what is neither hand nor free in it belongs to another finger and is ignored;
+    `segmentation`: its `share` says which pixels belong to other fingers, and these are ignored;
     `radius_mm`: of the tip.
     """
     part = _around(segmentation, guess)

@@ -31,6 +31,7 @@ from halo_protocol import (
 from halo_protocol.osc import BUNDLE, IMMEDIATELY, message_spans
 from halo_protocol.parts import Part, parts
 from halo_service.app.conformance.script import HOVERING, Step, steps
+from tests.clients.scripted import Script
 from tests.golden import VECTORS
 
 Run = Callable[..., list[str]]
@@ -221,23 +222,6 @@ def assembled(script: list[View]) -> list[list[View] | None]:
         except ProtocolError:
             found.append(None)
     return found
-
-
-class Script:
-    """An input that sets the clock to the time of each step."""
-
-    url = "script"
-
-    def __init__(self, now: list[float], script: list[Step]) -> None:
-        self._now, self._steps = now, iter(script)
-
-    def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        step = next(self._steps)
-        self._now[0] = step.at_s
-        return None if step.datagram is None else (step.datagram, "script")
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def followed(

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 import os
-import threading
-from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from halo_service.web.server import WebServer
-from halo_service.web.settings import WebSettings
 from tests.browser import needs_chromium, visit
-from tests.outputs.samples import fingers, frame
 
 WEB = Path(__file__).parents[3] / "clients" / "web"
 LIBRARIES = Path(__file__).parent / "libraries" / "node_modules"
@@ -55,25 +48,6 @@ def library(path: str) -> str:
             pytest.fail(sentence)
         pytest.skip(sentence)
     return file.read_text(encoding="utf-8")
-
-
-@pytest.fixture
-def url(free_tcp_port: int) -> Iterator[str]:
-    """A service with four fingers, two of which touch."""
-    over = threading.Event()
-
-    def run(server: WebServer) -> None:
-        for number in itertools.count():
-            server.send(frame(number, fingers(4)))
-            if over.wait(0.03):
-                return
-
-    with closing(WebServer(WebSettings(port=free_tcp_port))) as server:
-        thread = threading.Thread(target=run, args=(server,))
-        thread.start()
-        yield server.url
-        over.set()
-        thread.join()
 
 
 def ours(name: str) -> list[Path]:

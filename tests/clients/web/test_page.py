@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import shutil
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -33,25 +32,6 @@ const timer = setInterval(() => {
   report({ text, orange });
 }, 100);
 </script></body>"""
-
-
-@pytest.fixture
-def url(free_tcp_port: int) -> Iterator[str]:
-    """A service with four fingers, two of which touch."""
-    over = threading.Event()
-
-    def run(server: WebServer) -> None:
-        for number in itertools.count():
-            server.send(frame(number, fingers(4)))
-            if over.wait(0.03):
-                return
-
-    with closing(WebServer(WebSettings(port=free_tcp_port))) as server:
-        thread = threading.Thread(target=run, args=(server,))
-        thread.start()
-        yield server.url
-        over.set()
-        thread.join()
 
 
 @needs_chromium

@@ -14,25 +14,9 @@ import pytest
 from halo_client import Began, Follow, Moved, Receiver, touches
 from halo_protocol import ANY, Event, TouchFrame, event_to_json
 from halo_service.app.conformance.script import Step, steps
+from tests.clients.scripted import Script
 
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-
-
-class Script:
-    """An input that sets the clock to the time of each step."""
-
-    url = "script"
-
-    def __init__(self, now: list[float], script: list[Step]) -> None:
-        self._now, self._steps = now, iter(script)
-
-    def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
-        step = next(self._steps)
-        self._now[0] = step.at_s
-        return None if step.datagram is None else (step.datagram, "script")
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def in_python(

@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Protocol
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
 from halo_drums.bank import make_bank
-from halo_drums.errors import MidiError, SoundError
+from halo_drums.errors import SoundError
 from halo_drums.kit import KIT, Pad, Settings, mirrored
 from halo_drums.player import Gesture, Player
+from halo_midi.errors import MidiError
 from halo_protocol import TouchFrame
 from halo_window import StageError, add_stage_options, listen
 

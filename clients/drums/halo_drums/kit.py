@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from halo_client.strike import LOUD_MM_S, SOFT
 from halo_drums import voices
 from halo_drums.voices import Layers
 
@@ -56,9 +57,9 @@ KIT = (
 class Settings:
     """What a drummer may change."""
 
-    soft: float = 0.25
+    soft: float = SOFT
     """Loudness of the softest hit, relative to the loudest."""
-    loud_mm_s: float = 400.0
+    loud_mm_s: float = LOUD_MM_S
     """Strike speed of the loudest hit."""
     low_mm: float = 8.0
     """Hover height of the deepest sound."""

@@ -10,13 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from halo_client import Began, Ended, TouchKey, touches
+from halo_client.strike import loudness
 from halo_drums.kit import KIT, Pad, Settings, pad_at
-from halo_protocol import UNKNOWN_STRIKE, Hand, Pointer, TouchFrame
-
-UNKNOWN_LEVEL = 0.6
-"""Loudness of a hit if its strike speed was lost."""
-CURVE = 0.6
-"""Exponent from strike speed to loudness; below 1, so that soft taps stay audible."""
+from halo_protocol import Hand, Pointer, TouchFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,14 +92,8 @@ class Player:
             self._struck_us[self._drummer] = frame.time_us
         down = touch.down
         pad = pad_at(self._kit, down.u, down.v)
-        return Hit(touch.time_us, touch.key, pad, self._level(down.strike_mm_s), down.u, down.v)
-
-    def _level(self, strike_mm_s: float) -> float:
-        if strike_mm_s == UNKNOWN_STRIKE:
-            return UNKNOWN_LEVEL
-        soft = self._settings.soft
-        hard = min(max(strike_mm_s, 0.0) / self._settings.loud_mm_s, 1.0)
-        return float(soft + (1 - soft) * hard**CURVE)
+        level = loudness(down.strike_mm_s, self._settings.soft, self._settings.loud_mm_s)
+        return Hit(touch.time_us, touch.key, pad, level, down.u, down.v)
 
     def _lasts(self, key: TouchKey, now_us: int) -> bool:
         began_us = self._since_us.setdefault(key, now_us)

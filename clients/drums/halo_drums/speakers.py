@@ -17,10 +17,10 @@ import miniaudio
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_client.quiet import quiet
 from halo_drums.errors import SoundError
 from halo_drums.mixer import Mixer
 from halo_drums.player import Gesture
-from halo_drums.quiet import quiet
 from halo_drums.voices import RATE
 
 PERIOD_MS = 5

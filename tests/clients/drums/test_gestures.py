@@ -14,10 +14,11 @@ import pytest
 
 import halo_client
 from halo_client import FileSource
-from halo_drums.errors import MidiError
+from halo_client.strike import UNKNOWN_LEVEL
 from halo_drums.kit import KIT, Settings, mirrored, pad_at
 from halo_drums.midi import MidiOut, Notes
-from halo_drums.player import UNKNOWN_LEVEL, Hit, Player, Press, Release, Shape
+from halo_drums.player import Hit, Player, Press, Release, Shape
+from halo_midi.errors import MidiError
 from halo_protocol import Assembler, Frame, TouchFrame, encode_frame, event_to_json
 
 LEFT, RIGHT = 1, 2

@@ -1,22 +1,33 @@
-"""A keyboard of letters on the surface: where the keys are, and which one a touch hits.
+"""A keyboard on the surface: where the keys are, and which one a touch hits.
 
-Rule: pure geometry, in mm on the surface, origin at its top left, y towards the user. The keys
-are 16 mm squares, three rows of QWERTY and a space bar (letters only).
+Rule: pure geometry, in mm on the surface, origin at its top left, y towards the user. A layout is a
+small TOML file in `layouts/`; the study's is `qwerty`: 16 mm squares, three rows and a space bar.
 """
 
 from __future__ import annotations
 
+import math
+import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
 
 KEY_MM = 16.0
-ROWS = ("qwertyuiop", "asdfghjkl", "zxcvbnm")
-SHIFT_KEYS = (0.0, 0.25, 0.75)
-"""Offset of each row, in keys."""
+"""Size of the study's keys."""
 SPACE = " "
-SPACE_KEYS = (2.0, 5.0)
-"""Start and width of the space bar, in keys."""
-WIDTH_MM = 10 * KEY_MM
-HEIGHT_MM = 4 * KEY_MM
+DELETE, DONE = "delete", "done"
+"""Keys that type no character: erase the last one, and end the phrase."""
+WIDE = {"space": SPACE, DELETE: DELETE, DONE: DONE}
+LAYOUTS = ("qwerty", "qwertz", "azerty")
+MOST_KEYS = 200
+"""In a layout file; more is a mistake."""
+
+
+class LayoutError(Exception):
+    """A layout file cannot be used. The message is for the user."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,19 +53,77 @@ class Key:
         return min(across, along)
 
 
-def keyboard(x_mm: float, y_mm: float) -> dict[str, Key]:
-    """All keys by their character, the keyboard's top left corner at a place."""
-    keys = {}
-    for row, letters in enumerate(ROWS):
-        for column, letter in enumerate(letters):
-            left = x_mm + (SHIFT_KEYS[row] + column) * KEY_MM
-            keys[letter] = Key(letter, left, y_mm + row * KEY_MM, KEY_MM)
-    begin, wide = SPACE_KEYS
-    keys[SPACE] = Key(SPACE, x_mm + begin * KEY_MM, y_mm + 3 * KEY_MM, wide * KEY_MM)
-    return keys
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Keys with the keyboard's top left corner at (0, 0)."""
+
+    keys: tuple[Key, ...]
+
+    @property
+    def width_mm(self) -> float:
+        """From the left edge of the keyboard to its right edge."""
+        return max(key.x_mm + key.width_mm for key in self.keys)
+
+    @property
+    def height_mm(self) -> float:
+        """From its far edge to its near edge."""
+        return max(key.y_mm + key.height_mm for key in self.keys)
+
+    def placed(self, x_mm: float, y_mm: float) -> dict[str, Key]:
+        """All keys by their character, the keyboard's top left corner at a place."""
+        return {
+            key.character: Key(
+                key.character, key.x_mm + x_mm, key.y_mm + y_mm, key.width_mm, key.height_mm
+            )
+            for key in self.keys
+        }
 
 
-def key_at(keys: dict[str, Key], x_mm: float, y_mm: float) -> str | None:
+def parse_layout(text: str) -> Layout:
+    """Read a layout file. Raises `LayoutError` with one sentence."""
+    try:
+        table = tomllib.loads(text)
+        size = float(table.get("key_mm", KEY_MM))
+        keys = [key for number, row in enumerate(table["rows"]) for key in _row(row, number, size)]
+        keys += [_wide(each, size) for each in table.get("wide", ())]
+    except tomllib.TOMLDecodeError as error:
+        raise LayoutError(f"it is no TOML ({error})") from error
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise LayoutError(
+            f"{error!r} is missing or wrong; compare it with layouts/qwerty.toml"
+        ) from error
+    _check(keys)
+    return Layout(tuple(keys))
+
+
+@lru_cache(maxsize=8)
+def load_layout(name: str) -> Layout:
+    """Return a layout by its name, or from a file. Raises `LayoutError`."""
+    try:
+        if name in LAYOUTS:
+            text = resources.files("halo_type").joinpath(f"layouts/{name}.toml").read_text("utf-8")
+        elif name.endswith(".toml"):
+            text = Path(name).read_text("utf-8")
+        else:
+            raise LayoutError(f"choose from {', '.join(LAYOUTS)}, or give a file such as mine.toml")
+        return parse_layout(text)
+    except LayoutError as error:
+        raise LayoutError(f"unknown or wrong layout {name!r}: {error}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise LayoutError(f"cannot read {name} ({reason}); check the path") from error
+
+
+def keyboard(x_mm: float, y_mm: float, layout: str = "qwerty") -> dict[str, Key]:
+    """The keys that type a character, the keyboard's top left corner at a place."""
+    return {
+        character: key
+        for character, key in load_layout(layout).placed(x_mm, y_mm).items()
+        if len(character) == 1
+    }
+
+
+def key_at(keys: Mapping[str, Key], x_mm: float, y_mm: float) -> str | None:
     """The character of the key that a touch hits, or None outside all keys."""
     for character, key in keys.items():
         if key.x_mm <= x_mm < key.x_mm + key.width_mm and (
@@ -62,3 +131,36 @@ def key_at(keys: dict[str, Key], x_mm: float, y_mm: float) -> str | None:
         ):
             return character
     return None
+
+
+def _row(row: Mapping[str, Any], number: int, size: float) -> list[Key]:
+    start = float(row["start"])
+    return [
+        Key(character.lower(), (start + column) * size, number * size, size, size)
+        for column, character in enumerate(row["keys"])
+    ]
+
+
+def _wide(each: Mapping[str, Any], size: float) -> Key:
+    start, width = float(each["start"]), float(each["width"])
+    return Key(WIDE[each["key"]], start * size, int(each["row"]) * size, width * size, size)
+
+
+def _check(keys: list[Key]) -> None:
+    if not 1 <= len(keys) <= MOST_KEYS:
+        raise LayoutError(f"it has {len(keys)} keys; 1 to {MOST_KEYS} are allowed")
+    sizes = [value for key in keys for value in (key.x_mm, key.y_mm, key.width_mm, key.height_mm)]
+    if not all(map(math.isfinite, sizes)) or min(sizes) < 0 or min(k.width_mm for k in keys) <= 0:
+        raise LayoutError("a start, width or row is negative, or a size is 0")
+    for number, key in enumerate(keys):
+        for other in keys[:number]:
+            if key.character == other.character:
+                raise LayoutError(f"it has the key {key.character!r} twice")
+            if _overlap(key, other):
+                raise LayoutError(f"the keys {other.character!r} and {key.character!r} overlap")
+
+
+def _overlap(a: Key, b: Key) -> bool:
+    gap_x = max(a.x_mm, b.x_mm) - min(a.x_mm + a.width_mm, b.x_mm + b.width_mm)
+    gap_y = max(a.y_mm, b.y_mm) - min(a.y_mm + a.height_mm, b.y_mm + b.height_mm)
+    return gap_x < -1e-6 and gap_y < -1e-6

@@ -57,9 +57,14 @@ class Typed:
         return self.uncorrected / left if left else 0.0
 
     @property
+    def accuracy(self) -> float:
+        """Share of the text that is right: 1 - `msd_rate`."""
+        return 1.0 - self.msd_rate
+
+    @property
     def awpm(self) -> float:
-        """Speed times accuracy, the accuracy being what `msd_rate` leaves."""
-        return self.wpm * (1.0 - self.msd_rate)
+        """Speed times accuracy."""
+        return self.wpm * self.accuracy
 
     def _share(self, count: int) -> float:
         whole = self.correct + self.uncorrected + self.corrected

@@ -2,6 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+MOST_PHRASES, LONGEST = 10_000, 200
+"""In a file of the user: more phrases or characters are a mistake."""
+
+
+class PhrasesError(Exception):
+    """A file of phrases cannot be used. The message is for the user."""
+
+
+def in_order_of_seed(phrases: Sequence[str], seed: int) -> tuple[str, ...]:
+    """Return them in an order that the seed gives; a virtual typist of that seed has the same."""
+    import numpy as np  # not needed by those that only read phrases
+
+    return tuple(phrases[n] for n in np.random.default_rng([seed, 4]).permutation(len(phrases)))
+
+
+def read_phrases(path: Path, characters: Collection[str]) -> tuple[str, ...]:
+    """Read a phrase from each line, in lower case. Raises `PhrasesError` with one sentence."""
+    try:
+        lines = path.read_text("utf-8").lower().splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+        raise PhrasesError(f"cannot read {path} ({reason}); check the path") from error
+    phrases = tuple(" ".join(line.split()) for line in lines if line.strip())
+    if not 1 <= len(phrases) <= MOST_PHRASES:
+        raise PhrasesError(
+            f"{path} has {len(phrases)} phrases; write 1 to {MOST_PHRASES}, one on each line"
+        )
+    for phrase in phrases:
+        missing = sorted(set(phrase) - set(characters))
+        if missing:
+            raise PhrasesError(
+                f"{path}: the keyboard has no key for {missing[0]!r} in {phrase[:40]!r}; "
+                "leave it out, or choose another --layout"
+            )
+        if len(phrase) > LONGEST:
+            raise PhrasesError(f"{path}: {phrase[:40]!r}... is longer than {LONGEST} characters")
+    return phrases
+
+
 PHRASES = (
     "a quiet morning by the harbour",
     "the kettle sings before it boils",

@@ -17,8 +17,7 @@ from halo_service.virtual.motion import Segment, Timeline, bump
 from halo_service.virtual.room import WIDTH_MM, Room
 from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import at_near_edge, comfortable, pointer
-from halo_type.layout import SPACE, Key, keyboard
-from halo_type.layout import WIDTH_MM as KEYBOARD_MM
+from halo_type.layout import SPACE, Key, keyboard, load_layout
 from halo_type.phrases import PHRASES
 
 TOP_MM = 70.0
@@ -67,7 +66,7 @@ class Stroke:
 
 def keys() -> dict[str, Key]:
     """The keyboard's place on the surface."""
-    return keyboard((WIDTH_MM - KEYBOARD_MM) / 2.0, TOP_MM)
+    return keyboard((WIDTH_MM - load_layout("qwerty").width_mm) / 2.0, TOP_MM)
 
 
 def plan(seed: int, style: Style = BALANCED) -> Iterator[Stroke]:

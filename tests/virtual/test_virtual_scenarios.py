@@ -164,6 +164,14 @@ def test_typed_keys_spell_phrases_and_mostly_lie_inside():
     assert min(right - left for left, right in tips) > 5.0  # hands do not cross
 
 
+def test_a_finger_has_time_for_two_keys_in_quick_succession():
+    """Of this user, the same finger strikes two keys in the shortest time, the first one held."""
+    _, _, contacts = run("sim:typing-fast?seed=203", 34.0, 0.5)
+    assert len(contacts) > 30
+    for style in (typing.ACCURATE, typing.BALANCED, typing.FAST):
+        assert style.hold_s < style.longest_hold_s <= 0.15
+
+
 def test_typing_styles_trade_speed_for_aim():
     pace, scatter = {}, {}
     for name in ("typing-accurate", "typing", "typing-fast"):

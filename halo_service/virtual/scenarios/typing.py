@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.values import Side
-from halo_service.virtual.motion import Segment, Timeline, bump
+from halo_service.virtual.motion import SHORTEST_S, Segment, Timeline, bump
 from halo_service.virtual.room import WIDTH_MM, Room
 from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import at_near_edge, comfortable, pointer
@@ -26,6 +26,8 @@ SPREAD = 0.25
 """Sigma of the logarithm of the time from key to key."""
 LONGEST_S = 1.2
 """The longest pause within a phrase."""
+LEAVE_S = 0.07
+"""A finger rises from its key for this long."""
 BEGIN_S, PAUSE_S = 4.5, 2.0
 """Before the first key, and between phrases."""
 
@@ -45,6 +47,11 @@ class Style:
     and Zhai 2012, Bi et al. 2013)."""
     lift_mm: tuple[float, float]
     """How high a finger rises on its way to a key."""
+
+    @property
+    def longest_hold_s(self) -> float:
+        """No key is held longer: the same finger may have to strike the next one."""
+        return min(0.15, self.least_s - LEAVE_S - SHORTEST_S - 0.005)
 
 
 BALANCED = Style(0.45, 0.28, 0.1, 1.9, (8.0, 16.0))
@@ -123,11 +130,11 @@ def _strokes(p: Timeline, seed: int, style: Style) -> Iterator[Segment]:
         x, y = p.rng.normal(aim, style.aim_mm)
         yield from p.tap_at(
             stroke.when_s,
-            float(np.clip(p.rng.lognormal(np.log(style.hold_s), 0.25), 0.05, 0.15)),
+            float(np.clip(p.rng.lognormal(np.log(style.hold_s), 0.25), 0.05, style.longest_hold_s)),
             bump(float(np.clip(p.rng.lognormal(np.log(55.0), 0.35), 15.0, 250.0))),
             lift_mm=p.rng.uniform(*style.lift_mm),
             target_mm=aim,
             key=stroke.key.character,
             to={"x_mm": x, "y_mm": y},
         )
-        yield from p.reach(0.07, height_mm=p.rng.uniform(7.0, 12.0))
+        yield from p.reach(LEAVE_S, height_mm=p.rng.uniform(7.0, 12.0))

@@ -155,7 +155,8 @@ def test_a_demo_forwards_the_options_that_it_does_not_know() -> None:
 
 
 @pytest.mark.parametrize(
-    ("client", "option"), [("drums", "--left-handed"), ("paint", "--brush"), (None, None)]
+    ("client", "option"),
+    [("drums", "--left-handed"), ("paint", "--brush"), ("type", "--layout"), (None, None)],
 )
 def test_the_help_of_a_demo_has_the_options_of_its_client(
     client: str | None, option: str | None, capfd: pytest.CaptureFixture[str]

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from halo_service.app.process import stop_on_signals
 from halo_service.errors import UserError
 
-SUMMARY = "try drums or paint with a virtual hand instead of a camera"
+SUMMARY = "try drums, paint or type with virtual hands instead of a camera"
 EXAMPLE = "halo demo drums"
 
 TICK_S = 0.1
@@ -41,11 +41,16 @@ class Demo:
     options: tuple[str, ...]
     needs: tuple[str, ...]
     """Modules that come with the extra of the client."""
+    seeded: bool = False
+    """Whether the client gets the seed of the scenario, which gives a typist its phrases."""
 
 
 DEMOS = {
     "drums": Demo("halo_drums.app", "sim:drumming", (), ("miniaudio", "pygame")),
     "paint": Demo("halo_paint.app", "sim:painting", ("--vary",), ("numpy", "pygame")),
+    "type": Demo(
+        "halo_type.app", "sim:typing", ("--pause", "1.6"), ("miniaudio", "numpy", "pygame"), True
+    ),
 }
 
 
@@ -59,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "client",
         choices=tuple(DEMOS),
         metavar="CLIENT",
-        help="drums or paint; it gets all other options; 'halo demo drums --help' shows them",
+        help=f"{', '.join(DEMOS)}; it gets all other options; 'halo demo drums --help' shows them",
     )
     parser.add_argument("--source", metavar="SIM", help="another scenario, e.g. sim:demo,seed=3")
 
@@ -106,6 +111,7 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
     stop_on_signals(stopped.set)
     port, control = _free_ports()
     osc, scenario = f"127.0.0.1:{port}", source or chosen.scenario
+    options = (*chosen.options, *(_seed(scenario) if chosen.seeded else ()))
     serve = ["serve", "--source", scenario, "--no-zenoh", "--osc", osc]
     serve += ["--control-port", str(control)]
     programs: list[subprocess.Popen[bytes]] = []
@@ -114,7 +120,7 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
         print("demo: the service starts; the first time it measures its table", file=sys.stderr)
         if _sends(port, programs[0], stopped):
             print(f"demo: the service sends; {name} starts", file=sys.stderr)
-            client = ("--from", f"osc://{osc}", *chosen.options, *rest)
+            client = ("--from", f"osc://{osc}", *options, *rest)
             programs.append(_start(chosen.module, *client))
         while not stopped.is_set() and all(each.poll() is None for each in programs):
             stopped.wait(TICK_S)
@@ -122,6 +128,14 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
         return ended[0] if ended and not stopped.is_set() else 0
     finally:
         _end(programs)
+
+
+def _seed(scenario: str) -> tuple[str, ...]:
+    from halo_service.virtual.sim_url import parse_sim_url  # heavy
+
+    if scenario.partition(":")[0] != "sim":
+        return ()
+    return "--seed", str(parse_sim_url(scenario).room.seed)
 
 
 def _sends(port: int, service: subprocess.Popen[bytes], stopped: threading.Event) -> bool:

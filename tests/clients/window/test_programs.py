@@ -19,7 +19,7 @@ import pytest
 from halo_protocol import Frame, encode_frame, event_to_json
 
 BIN = Path(sys.executable).parent
-SOUND = {"halo-drums": ("--silent",), "halo-paint": ()}
+SOUND = {"halo-drums": ("--silent",), "halo-paint": (), "halo-type": ("--silent",)}
 Run = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -61,7 +61,7 @@ def read_line(process: subprocess.Popen[str], word: str, seconds: float = 20.0) 
 
 @pytest.fixture
 def both(run: Run) -> list[tuple[subprocess.Popen[str], int]]:
-    """Both clients, each with its own port; they start at the same time."""
+    """All clients, each with its own port; they start at the same time."""
     ports = [_free_port() for _ in SOUND]
     return [
         (run(program, *options, "--from", f"osc://127.0.0.1:{port}"), port)
@@ -158,8 +158,11 @@ def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -
         (("halo-drums", "--render", "a.wav"), "need a recorded stream"),
         (("halo-paint", "--from", "none.jsonl", "--render", "a.png"), "cannot read none.jsonl"),
         (("halo-paint", "--render", "a.png"), "needs a recorded stream"),
+        (("halo-type", "--render", "a.csv"), "needs a recorded stream"),
+        (("halo-type", "--layout", "dvorak"), "choose from qwerty, qwertz, azerty"),
+        (("halo-type", "--phrases", "none.txt"), "cannot read none.txt"),
         (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
-        (("halo", "demo", "flute"), "unknown client 'flute'; choose from: drums, paint"),
+        (("halo", "demo", "flute"), "unknown client 'flute'; choose from: drums, paint, type"),
     ],
 )
 def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], message: str) -> None:
@@ -177,6 +180,7 @@ def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], messag
         ("halo-drums", "--picture", "it.png"),
         ("halo-paint", "--render", "it.svg"),
         ("halo-paint", "--render", "it.png"),
+        ("halo-type", "--render", "it.csv"),
     ],
 )
 def test_a_file_is_written_and_named_and_a_missing_folder_gives_one_sentence(
@@ -195,7 +199,12 @@ def test_a_file_is_written_and_named_and_a_missing_folder_gives_one_sentence(
 
 
 @pytest.mark.parametrize(
-    ("program", "word"), [("halo-drums", "hover low"), ("halo-paint", "calligraphy")]
+    ("program", "word"),
+    [
+        ("halo-drums", "hover low"),
+        ("halo-paint", "calligraphy"),
+        ("halo-type", "words a minute"),
+    ],
 )
 def test_the_help_explains_how_to_use_it(run: Run, program: str, word: str) -> None:
     out, _ = run(program, "--help").communicate(timeout=20)

@@ -18,7 +18,7 @@ CLIENTS = Path(__file__).parents[3] / "clients"
 NO_DEVICE = ("48_000, 20)", "48_000, 20, backends=[miniaudio.Backend.NULL])")
 
 
-@pytest.mark.parametrize("client", ["drums", "paint"])
+@pytest.mark.parametrize("client", ["drums", "paint", "type"])
 def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) -> None:
     text = (CLIENTS / client / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]

@@ -70,7 +70,7 @@ def run(bank: Bank, seconds: float, name: str) -> None:
                     view.update(gesture, began_s)
             if bank:
                 view.draw(screen, placed, began_s)
-                pygame.display.flip()
+                pygame.display.update(view.parts)
             time.sleep(max(0.0, began_s + 1 / PICTURES_HZ - time.perf_counter()))
         print(
             f"{name}: {speakers.made_s:.1f} s of sound, {speakers.gaps} gaps; a piece came at most "

@@ -185,7 +185,7 @@ def _run(
             stage.pressed()
             placed = stage.placed(receiver.services, receiver.following)
             view.draw(stage.screen, placed, now_s, note)
-            stage.show()
+            stage.show(view.parts)
 
     # Hits must sound also while the user drags the window, which stops its thread.
     listen(NAME, receiver, stage, on_frame, draw, at_once=True)

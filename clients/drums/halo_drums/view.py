@@ -1,6 +1,7 @@
 """The drummer's picture: pads that light up, and the height of the other hand.
 
-Rule: draws on any pygame surface; reads no clock.
+Rule: draws on any pygame surface; reads no clock. Pads are drawn once for each size, and again
+while they glow.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from halo_client import PictureTransform
 from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_drums.kit import Pad
 from halo_drums.player import Gesture, Hit, Shape
-from halo_window import Placed
+from halo_window import Placed, Repaint
 
 BACKGROUND = (14, 14, 18)
 GLOW_S = 0.45
@@ -33,6 +34,9 @@ class View:
     kit: tuple[Pad, ...]
     _hits: list[tuple[float, Hit]] = field(default_factory=list)
     _height: float | None = None
+    _board: pygame.Surface | None = None
+    _drawn_for: object = None
+    _repaint: Repaint = field(default_factory=Repaint)
 
     def update(self, gesture: Gesture, now_s: float) -> None:
         """Take in a gesture at a time."""
@@ -42,29 +46,40 @@ class View:
             self._height = gesture.height
 
     def draw(self, screen: pygame.Surface, placed: Placed, now_s: float, note: str = "") -> None:
-        """Draw everything; `note` is a line of text at the lower edge."""
+        """Draw what changed; `note` is a line of text at the lower edge."""
         self._hits = [(at_s, hit) for at_s, hit in self._hits if now_s - at_s < RING_S]
-        screen.fill(BACKGROUND)
-        font = _font(max(18, screen.get_height() // 24))
+        screen_size = screen.get_size()
+        if self._board is None or self._drawn_for != (screen_size, placed):
+            self._board, self._drawn_for = self._dark(screen, placed), (screen_size, placed)
+            self._repaint.changed()
+        self._repaint.restore(screen, self._board)
         for pad in self.kit:
-            self._pad(screen, placed, font, pad, now_s)
+            glow = self._glow(pad, now_s)
+            if glow > 0.0:
+                self._repaint.over(self._pad(screen, placed, pad, glow))
         for at_s, hit in self._hits:
-            self._ring(screen, placed, hit, (now_s - at_s) / RING_S)
+            self._repaint.over(self._ring(screen, placed, hit, (now_s - at_s) / RING_S))
         if self._height is not None:
-            self._hand(screen, self._height)
+            self._repaint.over(self._hand(screen, self._height))
         if note:
-            words = font.render(note, True, (200, 200, 200))
-            screen.blit(words, (12, screen.get_height() - words.get_height() - 8))
+            words = _font(max(18, screen.get_height() // 24)).render(note, True, (200, 200, 200))
+            place = (12, screen.get_height() - words.get_height() - 8)
+            self._repaint.over(screen.blit(words, place))
 
-    def _pad(
-        self,
-        screen: pygame.Surface,
-        placed: Placed,
-        font: pygame.font.Font,
-        pad: Pad,
-        now_s: float,
-    ) -> None:
-        glow = max(
+    @property
+    def parts(self) -> list[pygame.Rect]:
+        """The parts of the screen that differ from the last picture."""
+        return self._repaint.parts
+
+    def _dark(self, screen: pygame.Surface, placed: Placed) -> pygame.Surface:
+        board = pygame.Surface(screen.get_size(), 0, screen)
+        board.fill(BACKGROUND)
+        for pad in self.kit:
+            self._pad(board, placed, pad, 0.0)
+        return board
+
+    def _glow(self, pad: Pad, now_s: float) -> float:
+        return max(
             (
                 hit.level * max(0.0, 1 - (now_s - at_s) / GLOW_S)
                 for at_s, hit in self._hits
@@ -72,30 +87,35 @@ class View:
             ),
             default=0.0,
         )
+
+    def _pad(self, screen: pygame.Surface, placed: Placed, pad: Pad, glow: float) -> pygame.Rect:
         left, far, right, near = pad.area
         gap = 0.008
         inset = ((left + gap, far + gap), (right - gap, far + gap),
                  (right - gap, near - gap), (left + gap, near - gap))  # fmt: skip
         corners = [self._pixel(placed, u, v) for u, v in inset]
         light = 0.2 + 0.8 * glow
-        pygame.draw.polygon(screen, [round(light * part) for part in pad.colour], corners)
-        pygame.draw.aalines(screen, pad.colour, True, corners)
+        area = pygame.draw.polygon(screen, [round(light * part) for part in pad.colour], corners)
+        edge = pygame.draw.aalines(screen, pad.colour, True, corners)
+        font = _font(max(18, screen.get_height() // 24))
         words = font.render(pad.name, True, (0, 0, 0) if glow > 0.5 else (235, 235, 235))
         centre = self._pixel(placed, (left + right) / 2, (far + near) / 2)
-        screen.blit(words, words.get_rect(center=centre))
+        return area.unionall([edge, screen.blit(words, words.get_rect(center=centre))])
 
-    def _ring(self, screen: pygame.Surface, placed: Placed, hit: Hit, age: float) -> None:
+    def _ring(self, screen: pygame.Surface, placed: Placed, hit: Hit, age: float) -> pygame.Rect:
         x, y = self._pixel(placed, hit.u, hit.v)
         scale = placed.placing.scale(hit.u * placed.width_mm, hit.v * placed.height_mm)
         radius = scale * (4.0 + 22.0 * hit.level * age)
         light = [round(255 * (1 - age) + part * age) for part in hit.pad.colour]
-        pygame.draw.aacircle(screen, light, (x, y), radius, max(1, round(scale * 1.5 * (1 - age))))
+        width = max(1, round(scale * 1.5 * (1 - age)))
+        return pygame.draw.aacircle(screen, light, (x, y), radius, width)
 
-    def _hand(self, screen: pygame.Surface, height: float) -> None:
+    def _hand(self, screen: pygame.Surface, height: float) -> pygame.Rect:
         """Draw a bar at the left edge: its height and colour show the hand's height."""
         width, tall = max(6, screen.get_width() // 90), screen.get_height()
         length = max(4, round(height * tall))
-        pygame.draw.rect(screen, LOW.lerp(HIGH, height), (0, tall - length, width, length))
+        colour = LOW.lerp(HIGH, height)
+        return pygame.draw.rect(screen, colour, (0, tall - length, width, length))
 
     @staticmethod
     def _pixel(placed: Placed, u: float, v: float) -> tuple[float, float]:

@@ -91,7 +91,7 @@ class App:
         self._fit()
         recent = self._note if now_s - self._note_s < 4.0 else ""
         self._view.draw(self._stage.screen, self._painter, self._fingers, note or recent)
-        self._stage.show()
+        self._stage.show(self._view.parts)
 
     def _key(self, key: int, now_s: float) -> None:
         if key == pygame.K_u:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from halo_client import PictureTransform
 from halo_paint.brushes import PAPER, Colour
 from halo_paint.stroke import Stroke
-from halo_paint.sweep import Box, Layer, sweep
+from halo_paint.sweep import Box, Layer, around, meet, sweep
 
 Pixels = NDArray[np.uint8]
 """(H, W, 3) red, green, blue."""
@@ -28,6 +28,8 @@ class _Wet:
     layer: Layer
     drawn: int = 0
     """Number of pieces in the layer."""
+    inked: Box | None = None
+    """All pixels of the layer that are not 0 are inside."""
 
 
 class Canvas:
@@ -52,24 +54,28 @@ class Canvas:
         box = sweep(wet.layer, self.placing, stroke, wet.drawn)
         wet.drawn = len(stroke.pieces)
         if box is not None:
+            wet.inked = around([wet.inked, box])
             self._show(box)
         return box
 
     def dry(self, stroke: Stroke) -> None:
         """Make a finished stroke part of the paper."""
         _, wet = self._wet.pop(id(stroke))
-        box = _inked(wet.layer)
-        if box is not None:
+        box = wet.inked
+        if box is None:
+            return
+        if any(meet(box, other.inked) for _, other in self._wet.values()):
             self._dry[box] = over(self._dry[box], wet.layer[box], stroke.colour)
             self._show(box)
+        else:  # The picture shows this stroke over the paper already; a large one takes long.
+            self._dry[box] = self.pixels[box]
 
     def repaint(self, strokes: list[Stroke]) -> None:
         """Draw all finished strokes again; open strokes stay."""
         self._dry[:] = self._paper
         for stroke in strokes:
             layer = self._empty()
-            sweep(layer, self.placing, stroke)
-            box = _inked(layer)
+            box = sweep(layer, self.placing, stroke)
             if box is not None:
                 self._dry[box] = over(self._dry[box], layer[box], stroke.colour)
         self._show((slice(None), slice(None)))
@@ -90,11 +96,3 @@ def over(below: Pixels, layer: Layer, colour: Colour) -> Pixels:
     mixed = below * (1 - opacity) + np.array(colour, np.float32) * opacity
     mixed_pixels: Pixels = np.round(mixed).astype(np.uint8)
     return mixed_pixels
-
-
-def _inked(layer: Layer) -> Box | None:
-    """Return the box of all pixels that are not 0, or None."""
-    rows, columns = (np.flatnonzero(layer.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
-        return None
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)

@@ -54,7 +54,7 @@ def sweep(layer: Layer, placing: PictureTransform, stroke: Stroke, drawn: int = 
         ends_here = stroke.done and n == len(pieces) - 1
         boxes.append(_sweep(layer, placing, pieces[n], opened, ends_here))
         opened = _opening(pieces[n], -2, -1)
-    return _around(boxes)
+    return around(boxes)
 
 
 def _sweep(
@@ -76,7 +76,7 @@ def _sweep(
         opened = opening
     if ends_here:
         boxes.append(_stretch(layer, there, there, direction, math.inf))
-    return _around(boxes)
+    return around(boxes)
 
 
 def _opening(piece: Piece, begin: int, end: int) -> float:
@@ -154,7 +154,8 @@ def _reached(layer: Layer, begin: _Disc, end: _Disc) -> Box | None:
     return None if box[0].start >= box[0].stop or box[1].start >= box[1].stop else box
 
 
-def _around(parts: Iterable[Box | None]) -> Box | None:
+def around(parts: Iterable[Box | None]) -> Box | None:
+    """Return the box around all boxes, or None without any."""
     boxes = [box for box in parts if box is not None]
     if not boxes:
         return None
@@ -162,4 +163,11 @@ def _around(parts: Iterable[Box | None]) -> Box | None:
     return (
         slice(min(s.start for s in rows), max(s.stop for s in rows)),
         slice(min(s.start for s in columns), max(s.stop for s in columns)),
+    )
+
+
+def meet(box: Box, other: Box | None) -> bool:
+    """Whether two boxes share a pixel."""
+    return other is not None and all(
+        a.start < b.stop and b.start < a.stop for a, b in zip(box, other, strict=True)
     )

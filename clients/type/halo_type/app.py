@@ -112,7 +112,7 @@ class App:
             self._view.update(*self._struck.popleft())
         shown = self._typist.shown
         self._view.draw(self._stage.screen, placed, shown, self._fingers, now_s, note)
-        self._stage.show()
+        self._stage.show(self._view.parts)
         self._save.new()
 
 

@@ -12,7 +12,7 @@ import pygame
 from halo_protocol import Pointer
 from halo_type.layout import SPACE, Key
 from halo_type.typist import Shown, Struck
-from halo_window import Placed
+from halo_window import Placed, Repaint
 
 BACKGROUND, KEY, EDGE = (14, 14, 18), (38, 40, 52), (86, 90, 110)
 INK, TEXT, FAINT, STRUCK = (235, 235, 240), (255, 235, 150), (150, 152, 165), (70, 190, 190)
@@ -34,6 +34,12 @@ class View:
         self._glowing: dict[str, float] = {}
         self._board: pygame.Surface | None = None
         self._drawn_for: object = None
+        self._repaint = Repaint()
+
+    @property
+    def parts(self) -> list[pygame.Rect]:
+        """The parts of the screen that differ from the last picture."""
+        return self._repaint.parts
 
     def update(self, struck: Struck, now_s: float) -> None:
         """Let a key glow."""
@@ -49,25 +55,27 @@ class View:
         now_s: float,
         note: str = "",
     ) -> None:
-        """Draw everything; `note` is a line of text at the lower edge."""
+        """Draw what changed; `note` is a line of text at the lower edge."""
         drawn_for = screen.get_size(), placed, shown.keys
         if self._board is None or self._drawn_for != drawn_for:
             self._board, self._drawn_for = self._keyboard(screen, placed, shown.keys), drawn_for
-        screen.blit(self._board, (0, 0))
+            self._repaint.changed()
+        self._repaint.restore(screen, self._board)
         for character, at_s in list(self._glowing.items()):
             light = 1.0 - (now_s - at_s) / GLOW_S
             if light <= 0.0 or character not in shown.keys:
                 del self._glowing[character]
             else:
                 colour = pygame.Color(*KEY).lerp(pygame.Color(*STRUCK), light)
-                _key(screen, placed, shown.keys[character], colour)
+                self._repaint.over(_key(screen, placed, shown.keys[character], colour))
         self._text(screen, placed, shown, now_s)
         for finger in fingers:
             if not finger.touching and finger.hover_mm < NEAR_MM:
-                _ring(screen, placed, finger)
+                self._repaint.over(_ring(screen, placed, finger))
         if note:
             words = _font(max(18, screen.get_height() // 24)).render(note, True, FAINT)
-            screen.blit(words, (12, screen.get_height() - words.get_height() - 8))
+            place = (12, screen.get_height() - words.get_height() - 8)
+            self._repaint.over(screen.blit(words, place))
 
     def _keyboard(
         self, screen: pygame.Surface, placed: Placed, keys: dict[str, Key]
@@ -92,7 +100,7 @@ class View:
             x, y = placed.placing.pixel(left_mm, top * placed.height_mm)
             scale = placed.placing.scale(left_mm, top * placed.height_mm)
             font = _font(max(12, round(height * placed.height_mm * scale)))
-            screen.blit(font.render(line, True, colour), (x, y))
+            self._repaint.over(screen.blit(font.render(line, True, colour), (x, y)))
 
 
 def state_of(shown: Shown) -> str:
@@ -111,25 +119,26 @@ def name_of(key: Key) -> str:
     return "" if key.character == SPACE else key.character
 
 
-def _key(screen: pygame.Surface, placed: Placed, key: Key, colour: pygame.Color) -> None:
+def _key(screen: pygame.Surface, placed: Placed, key: Key, colour: pygame.Color) -> pygame.Rect:
     left, top = key.x_mm + GAP_MM, key.y_mm + GAP_MM
     right, low = key.x_mm + key.width_mm - GAP_MM, key.y_mm + key.height_mm - GAP_MM
     corners = [
         placed.placing.pixel(*at) for at in ((left, top), (right, top), (right, low), (left, low))
     ]
-    pygame.draw.polygon(screen, colour, corners)
-    pygame.draw.aalines(screen, EDGE, True, corners)
+    area = pygame.draw.polygon(screen, colour, corners)
+    edge = pygame.draw.aalines(screen, EDGE, True, corners)
     scale = placed.placing.scale(*key.middle)
     share = 0.5 if len(key.character) == 1 else 0.32
     words = _font(max(10, round(share * key.height_mm * scale))).render(name_of(key), True, INK)
-    screen.blit(words, words.get_rect(center=placed.placing.pixel(*key.middle)))
+    place = words.get_rect(center=placed.placing.pixel(*key.middle))
+    return area.unionall([edge, screen.blit(words, place)])
 
 
-def _ring(screen: pygame.Surface, placed: Placed, finger: Pointer) -> None:
+def _ring(screen: pygame.Surface, placed: Placed, finger: Pointer) -> pygame.Rect:
     at = finger.x_mm, finger.y_mm
     scale = placed.placing.scale(*at)
     radius = (2.0 + 0.3 * finger.hover_mm) * scale
-    pygame.draw.aacircle(screen, STRUCK, placed.placing.pixel(*at), radius, 2)
+    return pygame.draw.aacircle(screen, STRUCK, placed.placing.pixel(*at), radius, 2)
 
 
 _fonts: dict[int, pygame.font.Font] = {}

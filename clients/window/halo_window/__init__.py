@@ -17,9 +17,10 @@ from halo_window.loop import listen
 from halo_window.options import add_stage_options
 
 if TYPE_CHECKING:
+    from halo_window.repaint import Repaint
     from halo_window.stage import Placed, Stage
 
-__all__ = ["Placed", "Stage", "StageError", "add_stage_options", "listen"]
+__all__ = ["Placed", "Repaint", "Stage", "StageError", "add_stage_options", "listen"]
 
 
 def __getattr__(name: str) -> Any:
@@ -28,4 +29,8 @@ def __getattr__(name: str) -> Any:
         from halo_window import stage
 
         return getattr(stage, name)
+    if name == "Repaint":
+        from halo_window.repaint import Repaint
+
+        return Repaint
     raise AttributeError(name)

@@ -7,6 +7,7 @@ then uses the homography, once the service has sent one.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -21,6 +22,8 @@ SIZE = (1200, 800)
 MARGIN = 0.02
 WITHOUT_DISPLAY = ("dummy", "offscreen")
 """SDL's fallback drivers without a screen; accepted only if SDL_VIDEODRIVER names one."""
+WHOLE = (pygame.VIDEOEXPOSE, pygame.WINDOWEXPOSED, pygame.WINDOWSIZECHANGED)
+"""Events after which the system may have lost the picture."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,7 @@ class Stage:
         pygame.display.set_caption(title)
         pygame.mouse.set_visible(not full_screen)
         self._full_screen = full_screen
+        self._exposed = True
         self.open = True
         """False after the user has closed the window."""
 
@@ -72,6 +76,8 @@ class Stage:
             elif event.type == pygame.KEYDOWN:
                 pressed.append(event.key)
                 self.open = self.open and event.key not in (pygame.K_ESCAPE, pygame.K_q)
+            elif event.type in WHOLE:
+                self._exposed = True
         self.screen = pygame.display.get_surface() or self.screen
         return pressed
 
@@ -88,9 +94,13 @@ class Stage:
         margin = 0.0 if self._full_screen else MARGIN * height
         return Placed(PictureTransform.fitted(width, height, *size, margin), *size)
 
-    def show(self) -> None:
-        """Show what was drawn."""
-        pygame.display.flip()
+    def show(self, parts: Sequence[pygame.Rect] | None = None) -> None:
+        """Show what was drawn; `parts`: all that differs from the last picture, None: unknown."""
+        if parts is None or self._exposed:
+            pygame.display.flip()
+        else:
+            pygame.display.update(parts)
+        self._exposed = False
 
     def close(self) -> None:
         """Close the window. May be called twice."""

@@ -1,4 +1,4 @@
-"""Where frames come from: a live Kinect, a recording, the virtual sensor.
+"""Where frames come from: a live camera, a recording, the virtual sensor.
 
 Rule: a source owns its device and its clock, and nothing else. It returns each capture as it was
 captured, or a `BadFrame` with the reason.
@@ -12,7 +12,7 @@ from halo_service.errors import SourceLost
 from halo_service.geometry.camera import Camera
 from halo_service.values import BadFrame, Frame, SourceKind
 
-__all__ = ["ColourSwitch", "EndOfSource", "Exposing", "Source", "SourceLost"]
+__all__ = ["ColourSwitch", "EndOfSource", "Exposing", "Source", "SourceLost", "Warm"]
 
 
 class EndOfSource(Exception):  # noqa: N818 - an end, no error
@@ -57,3 +57,11 @@ class ColourSwitch(Protocol):
 
     def with_colour(self, wanted: bool) -> None:
         """Switch colour on or off, soon; frames without it have None. Raises SourceLost."""
+
+
+@runtime_checkable
+class Warm(Protocol):
+    """A source that can report its temperature."""
+
+    def temperature_c(self) -> float | None:
+        """Return the temperature of the depth sensor, degrees Celsius; None: not reported."""

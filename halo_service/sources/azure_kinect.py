@@ -5,8 +5,8 @@ NFOV unbinned with its infrared, colour 720p as the camera's own JPEG, 30 fps, o
 have both.
 
 Tested without a camera: no camera connected, the calibration, and a capture of the SDK's playback
-turned into a frame. Not tested: a camera that another program uses, one that is unplugged while
-it runs, and the true delay between exposure and timestamp.
+turned into a frame. Tested with a fake device: options, unplug, a wrong serial number. Not tested:
+the true delay between exposure and timestamp.
 """
 
 from __future__ import annotations
@@ -27,10 +27,13 @@ from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.sources import SourceLost
+from halo_service.sources.camera_name import FPS, CameraOptions
 from halo_service.sources.clock import DeviceClock
+from halo_service.sources.headless import DISPLAY_REMEDY, is_engine, without_display
 from halo_service.values import BadFrame, Frame, SourceKind
 
-_FPS = 30
+_POWER_LINE = {50: 1, 60: 2}
+"""The SDK's numbers for the frequency of the power line."""
 _MOST_DELAY_US = 1_000_000
 """Longest time between a frame's arrival and its read; more means another clock."""
 _LOG = Path(tempfile.gettempdir()) / f"halo-k4a-{os.getpid()}.log"
@@ -51,21 +54,22 @@ class AzureKinect:
 
     kind: SourceKind = "camera"
 
-    def __init__(self, serial: str = "") -> None:
-        """Start the camera with this serial number; empty: the first that can be opened.
+    def __init__(self, options: CameraOptions = CameraOptions()) -> None:  # noqa: B008 - frozen
+        """Start the camera with this serial number; without one the first that can be opened.
 
         Raises UserError if there is none or it cannot be started.
         """
         self._sdk = _sdk()
         if self._sdk.connected_device_count() == 0:
             raise UserError(f"no Azure Kinect is plugged in: plug one in, {_OR_ELSE}.")
-        self._device = self._started(serial)
+        self._options = options
+        self._device = self._started(options.serial)
         try:
             self.camera: Camera = k4a.from_json(
                 self._device.calibration_raw.encode(),
-                depth_mode="NFOV_UNBINNED",
+                depth_mode=options.mode,
                 colour_resolution="720P",
-                fps=_FPS,
+                fps=FPS,
             )
         except UserError:
             self._device.stop()
@@ -117,22 +121,39 @@ class AzureKinect:
         try:
             if device is not None:
                 device.start()
+                self._configure(device)
                 return device
         except sdk.K4AException as error:
             device.close()
             raise _cannot_start(_reason(said)) from error
         raise _cannot_start(_reason(said))
 
+    def _configure(self, device: Any) -> None:
+        options = self._options
+        if options.exposure_ms is not None:
+            device.exposure = round(options.exposure_ms * 1000)
+        if options.gain is not None:
+            device.gain = options.gain
+        if options.power_line_hz is not None:
+            device.powerline_frequency = _POWER_LINE[options.power_line_hz]
+
+    def _config(self) -> Any:
+        sdk = self._sdk
+        role = {"alone": "STANDALONE", "primary": "MASTER", "secondary": "SUBORDINATE"}
+        return sdk.Config(
+            color_format=sdk.ImageFormat.COLOR_MJPG,
+            color_resolution=sdk.ColorResolution.RES_720P,
+            depth_mode=getattr(sdk.DepthMode, self._options.mode),
+            camera_fps=sdk.FPS.FPS_30,
+            synchronized_images_only=True,
+            wired_sync_mode=getattr(sdk.WiredSyncMode, role[self._options.sync]),
+            subordinate_delay_off_master_usec=self._options.sync_delay_us,
+        )
+
     def _opened(self, serial: str) -> Any:
         """Open the device with this serial number; None if no device can be opened."""
         sdk = self._sdk
-        config = sdk.Config(
-            color_format=sdk.ImageFormat.COLOR_MJPG,
-            color_resolution=sdk.ColorResolution.RES_720P,
-            depth_mode=sdk.DepthMode.NFOV_UNBINNED,
-            camera_fps=sdk.FPS.FPS_30,
-            synchronized_images_only=True,
-        )
+        config = self._config()
         # "Thread-safe" in pyk4a holds Python's lock while it waits for a frame, which blocks
         # every other thread. Only one thread uses the camera, so the lock is not needed.
         others = []
@@ -149,8 +170,8 @@ class AzureKinect:
         if others:
             raise UserError(
                 f"the Azure Kinect {serial} is not plugged in, or another program uses it; free "
-                f"here: {', '.join(others)}: choose one with --source azure-kinect:{others[0]}, "
-                "or plug the other in"
+                f"here: {', '.join(others)}: choose one with --source "
+                f"azure-kinect,serial={others[0]}, or plug the other in"
             )
         return None
 
@@ -158,19 +179,12 @@ class AzureKinect:
 def _cannot_start(reason: str) -> UserError:
     """Return the error for a camera that does not start. `reason`: the SDK's own, or empty."""
     what = "an Azure Kinect is plugged in but cannot be started"
-    if (
-        "depth engine" in reason.lower()
-        and sys.platform == "linux"
-        and not os.environ.get("DISPLAY")
-    ):
-        return UserError(
-            f"{what} ({reason}): its depth engine needs a display and DISPLAY is not set: log in "
-            "on this machine's screen and set DISPLAY=:0, or start a virtual one (Xvfb)"
-        )
+    if is_engine(reason) and without_display(sys.platform, os.environ):
+        return UserError(f"{what} ({reason}): {DISPLAY_REMEDY}")
     shown = f" ({reason})" if reason else ""
     return UserError(
         f"{what}{shown}: close other programs that use it, plug it into a USB 3 port with its own "
-        f"power, on Linux install its udev rules, {_OR_ELSE}."
+        f"power, on Linux run 'halo doctor --fix' for its permissions, {_OR_ELSE}."
     )
 
 

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +10,15 @@ import pytest
 
 from halo_service.app.sources import open_source
 from halo_service.errors import UserError
-from halo_service.geometry import k4a
 from halo_service.settings import SourceSettings
 from halo_service.sources import azure_kinect
 from halo_service.sources.azure_kinect import AzureKinect, connected, outcome
+from halo_service.sources.camera_name import CameraOptions
 from halo_service.sources.clock import DeviceClock
 from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame
 from halo_service.virtual.camera import factory
+from tests.sources.cameras.kinect_fake import FakePyK4A, KinectBench
 
 REAL = Path(__file__).parents[2] / "../shared/data/azure_kinect_desk.mkv"
 
@@ -105,64 +105,8 @@ def test_a_capture_that_lacks_an_image_is_a_bad_frame(capture, lacks, says):
     assert abs(bad.time_us - time.time_ns() // 1000) < 1_000_000
 
 
-class TwoCameras:
-    """The SDK with two cameras; `busy` and `failing` are serial numbers."""
-
-    class K4AException(Exception):  # noqa: N818 - the SDK's name
-        pass
-
-    class K4ATimeoutException(K4AException):
-        pass
-
-    class ImageFormat:
-        COLOR_MJPG = 0
-
-    class ColorResolution:
-        RES_720P = 1
-
-    class DepthMode:
-        NFOV_UNBINNED = 2
-
-    class FPS:
-        FPS_30 = 2
-
-    def __init__(self, serials=("A", "B"), busy=(), failing=()):
-        self.serials, self.busy, self.failing = serials, busy, failing
-        self.closed = []
-
-    def connected_device_count(self):
-        return len(self.serials)
-
-    def Config(self, **_):  # noqa: N802 - the SDK's name
-        return None
-
-    def PyK4A(self, config, device_id, thread_safe):  # noqa: N802 - the SDK's name
-        return Device(self, self.serials[device_id])
-
-
-class Device:
-    """One of them."""
-
-    def __init__(self, sdk, serial):
-        self.sdk, self.serial = sdk, serial
-
-    def open(self):
-        if self.serial in self.sdk.busy:
-            raise self.sdk.K4AException
-
-    def start(self):
-        if self.serial in self.sdk.failing:
-            raise self.sdk.K4AException
-
-    def stop(self):
-        pass
-
-    def close(self):
-        self.sdk.closed.append(self.serial)
-
-    @property
-    def calibration_raw(self):
-        return k4a.to_json(replace(factory(), serial=self.serial)).decode()
+def cameras(**given) -> KinectBench:
+    return KinectBench(factory(), **given)
 
 
 @pytest.mark.parametrize(
@@ -170,9 +114,9 @@ class Device:
     [("", (), "A"), ("A", (), "A"), ("B", (), "B"), ("", ("A",), "B"), ("B", ("A",), "B")],
 )
 def test_of_two_cameras_the_one_of_the_profile_is_opened(monkeypatch, wanted, busy, opened):
-    sdk = TwoCameras(busy=busy)
+    sdk = cameras(busy=busy)
     monkeypatch.setattr(azure_kinect, "_sdk", lambda: sdk)
-    camera = AzureKinect(wanted)
+    camera = AzureKinect(CameraOptions(serial=wanted))
     assert camera.camera.serial == opened
     assert opened not in sdk.closed
     assert open_source(SourceSettings(f"azure-kinect:{opened}"))[0].camera.serial == opened
@@ -180,7 +124,7 @@ def test_of_two_cameras_the_one_of_the_profile_is_opened(monkeypatch, wanted, bu
 
 
 def test_a_lost_camera_is_opened_again_and_never_the_other_one(monkeypatch):
-    sdk = TwoCameras(busy=("A",))
+    sdk = cameras(busy=("A",))
     monkeypatch.setattr(azure_kinect, "_sdk", lambda: sdk)
     source, reopen = open_source(SourceSettings("auto"))
     sdk.busy = ()
@@ -188,9 +132,9 @@ def test_a_lost_camera_is_opened_again_and_never_the_other_one(monkeypatch):
 
 
 def test_a_camera_that_is_not_there_is_named_with_those_that_are(monkeypatch):
-    monkeypatch.setattr(azure_kinect, "_sdk", lambda: TwoCameras(busy=("A",)))
-    with pytest.raises(UserError, match=r"Azure Kinect C is not plugged in.*azure-kinect:B"):
-        AzureKinect("C")
+    monkeypatch.setattr(azure_kinect, "_sdk", lambda: cameras(busy=("A",)))
+    with pytest.raises(UserError, match=r"Azure Kinect C is not plugged in.*azure-kinect,serial=B"):
+        AzureKinect(CameraOptions(serial="C"))
 
 
 LOG = (
@@ -216,14 +160,53 @@ def test_the_reason_of_the_sdk_is_shown(monkeypatch, tmp_path, logged, display, 
     log = tmp_path / "k4a.log"
     log.write_text("[2026] [critical] [t=1] /src/a.c (1): a(). what went wrong before\n")
 
-    class Failing(TwoCameras):
+    class Failing(KinectBench):
         def PyK4A(self, *rest, **named):  # noqa: N802 - the SDK's name
             with log.open("a") as file:
                 file.write(logged)
             return super().PyK4A(*rest, **named)
 
-    monkeypatch.setattr(azure_kinect, "_sdk", lambda: Failing(failing=("A", "B")))
+    monkeypatch.setattr(azure_kinect, "_sdk", lambda: Failing(factory(), failing=("A", "B")))
     monkeypatch.setattr(azure_kinect, "_LOG", log)
     monkeypatch.setenv("DISPLAY", display)
     with pytest.raises(UserError, match=says):
         AzureKinect()
+
+
+def test_options_reach_the_device(monkeypatch):
+    sdk = cameras()
+    monkeypatch.setattr(azure_kinect, "_sdk", lambda: sdk)
+    AzureKinect(
+        CameraOptions(
+            mode="WFOV_2X2BINNED",
+            exposure_ms=8.0,
+            gain=90,
+            power_line_hz=60,
+            sync="secondary",
+            sync_delay_us=160,
+        )
+    )
+    assert sdk.configs[0]["depth_mode"] == sdk.DepthMode.WFOV_2X2BINNED
+    assert sdk.configs[0]["wired_sync_mode"] == sdk.WiredSyncMode.SUBORDINATE
+    assert sdk.configs[0]["subordinate_delay_off_master_usec"] == 160
+    (device,) = sdk.devices
+    assert (device.exposure, device.gain, device.powerline_frequency) == (8000, 90, 2)
+
+
+def test_the_fake_has_no_name_that_the_installed_sdk_lacks():
+    real = pyk4a()
+    named = {name for name in vars(KinectBench(factory()).__class__) if not name.startswith("_")}
+    assert named - {"capture"} <= set(dir(real))
+    for group in ("ImageFormat", "ColorResolution", "DepthMode", "FPS", "WiredSyncMode"):
+        assert set(vars(getattr(KinectBench, group))) <= set(dir(getattr(real, group))), group
+    ours = set(vars(FakePyK4A(None, ""))) | set(vars(FakePyK4A)) - {"bench", "shown"}
+    used = {name for name in ours if not name.startswith("_")} - {"bench", "shown"}
+    assert used <= set(dir(real.PyK4A)) | {"is_running"}
+    assert "is_running" in vars(real.PyK4A())
+    capture = vars(
+        KinectBench(factory(), [Frame(0, *[np.zeros((2, 2), np.uint16)] * 2, b"")]).capture(0)
+    )
+    assert set(capture) <= set(dir(real.PyK4ACapture))
+    assert real.Config(
+        wired_sync_mode=real.WiredSyncMode.SUBORDINATE, subordinate_delay_off_master_usec=160
+    ).unpack()

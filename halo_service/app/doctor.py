@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import socket
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +14,16 @@ from pathlib import Path
 from halo_calibration.base_model import VIRTUAL, pilot_path
 from halo_protocol.osc import padded
 from halo_service.app.calibration_ui.calibrate import missing
+from halo_service.app.cameras import found_cameras
 from halo_service.app.service.commands import LEAST_STATUS, STATUS
 from halo_service.errors import UserError
 from halo_service.evaluation.report.table import Table
 from halo_service.files import from_home
 from halo_service.profile.store import load, profile_path, profiles_path
 from halo_service.settings import Settings
+from halo_service.sources.camera_name import TITLES, kind_of
+from halo_service.sources.headless import without_display
+from halo_service.sources.orbbec.sdk import EXTRA
 
 ANSWER_S = 1.0
 """Time in which a running service answers."""
@@ -41,6 +47,7 @@ def examine(settings: Settings) -> list[Finding]:
         _packages,
         _sdk,
         _camera,
+        _display,
         _model,
         _profile,
         _base,
@@ -90,34 +97,59 @@ def _packages(settings: Settings) -> Finding:
 
 
 def _sdk(settings: Settings) -> Finding:
-    if importlib.util.find_spec("pyk4a") is None:
+    kind = kind_of(settings.source.name)
+    found = {
+        "Azure Kinect": importlib.util.find_spec("pyk4a") is not None,
+        "Femto": importlib.util.find_spec("pyorbbecsdk") is not None,
+    }
+    installed = [name for name, there in found.items() if there]
+    if kind == "azure-kinect" and not found["Azure Kinect"]:
         return Finding(
             "camera SDK",
             False,
             "the SDK of the Azure Kinect is not installed",
-            "it exists only for Linux and Windows on x86-64; on other systems use a recording or "
-            "--source sim",
-            optional=not settings.source.name.startswith("azure-kinect"),
+            "it exists only for Linux and Windows on x86-64; on other systems use a Femto, a "
+            "recording or --source sim",
         )
-    return Finding("camera SDK", True, "installed")
+    if kind in ("femto-bolt", "femto-mega") and not found["Femto"]:
+        return Finding("camera SDK", False, "the SDK of Orbbec is not installed", f"run '{EXTRA}'")
+    if not installed:
+        return Finding("camera SDK", False, "none installed", f"run '{EXTRA}'", optional=True)
+    return Finding("camera SDK", True, f"installed for {' and '.join(installed)}")
 
 
 def _camera(settings: Settings) -> Finding:
-    from halo_service.sources.azure_kinect import connected
-
     name = settings.source.name
     if name.startswith(("sim", "recording:")):
         return Finding("camera", True, f"not needed: the source is {name}")
-    count = connected()
-    if count == 0:
-        return Finding(
-            "camera",
-            False,
-            "no Azure Kinect is plugged in",
-            "plug it into a USB 3 port and its power supply; until then --source sim works",
-            optional=name == "auto",
-        )
-    return Finding("camera", True, f"{count} plugged in")
+    kind = kind_of(name)
+    cameras = [each for each in found_cameras() if kind in (None, each.kind)]
+    ready = [str(each) for each in cameras if not each.fault]
+    if ready:
+        return Finding("camera", True, "; ".join(ready))
+    if cameras:
+        return Finding("camera", False, cameras[0].fault)
+    what = TITLES[kind] if kind else "camera"
+    return Finding(
+        "camera",
+        False,
+        f"no {what} is plugged in",
+        "plug it into a USB 3 port and its power supply; until then --source sim works",
+        optional=name == "auto",
+    )
+
+
+def _display(settings: Settings) -> Finding:
+    kind = kind_of(settings.source.name)
+    if not without_display(sys.platform, os.environ):
+        return Finding("display", True, "there is one for the depth engine")
+    return Finding(
+        "display",
+        False,
+        "DISPLAY is not set, and the depth engine of an Azure Kinect or a Femto Bolt needs it",
+        "set DISPLAY=:0 on a machine with a screen, or start 'xvfb-run -a halo serve ...'",
+        optional=kind not in ("azure-kinect", "femto-bolt"),
+    )
 
 
 def _model(settings: Settings) -> Finding:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from halo_service.errors import UserError
@@ -16,6 +16,7 @@ from halo_service.files import appearing
 
 MARK = "# Written by 'halo install-service'; run it again to change this file."
 """First line of a unit that may be replaced."""
+DISPLAY_VARIABLES = ("DISPLAY", "XAUTHORITY")
 WATCHDOG_S = 30
 """A live loop that does not report for so long is started again."""
 UNIT = """\
@@ -26,8 +27,8 @@ StartLimitIntervalSec=0
 
 [Service]
 Type=notify
-NotifyAccess=main
-ExecStart={command}
+NotifyAccess={access}
+{variables}ExecStart={command}
 WorkingDirectory={folder}
 WatchdogSec={watchdog_s}
 Restart=always
@@ -47,10 +48,35 @@ def serve_command(options: Sequence[str]) -> list[str]:
     return [sys.executable, "-m", "halo_service.app.cli", "serve", *options]
 
 
-def unit_text(command: Sequence[str], folder: Path) -> str:
-    """Return a systemd unit."""
+NO_DISPLAY = (
+    "note: there is no display here, which the depth engine of an Azure Kinect or a Femto Bolt "
+    "needs: run this again on the machine's screen, or after 'apt install xvfb'"
+)
+
+
+def on_display(
+    command: Sequence[str], environment: Mapping[str, str], xvfb_run: str | None
+) -> tuple[list[str], dict[str, str]]:
+    """Return the command with a display, and the variables that it needs.
+
+    The depth engine needs a display: the one of this session, else a virtual one (`xvfb_run`: the
+    program that starts it, where it is installed).
+    """
+    variables = {name: environment[name] for name in DISPLAY_VARIABLES if environment.get(name)}
+    if "DISPLAY" in variables:
+        return list(command), variables
+    return [*([xvfb_run, "-a"] if xvfb_run else []), *command], {}
+
+
+def unit_text(
+    command: Sequence[str], folder: Path, variables: Mapping[str, str] | None = None
+) -> str:
+    """Return a systemd unit. `variables`: of the environment."""
+    set_here = [_quoted(f"{name}={value}") for name, value in (variables or {}).items()]
     return UNIT.format(
         mark=MARK,
+        access="main" if command[0] == sys.executable else "all",  # a wrapper is the main process
+        variables="".join(f"Environment={each}\n" for each in set_here),
         command=" ".join(map(_quoted, command)),
         folder=str(folder).replace("%", "%%"),
         watchdog_s=WATCHDOG_S,

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from halo_service.settings import Settings
 
-SOURCES = "azure-kinect[:SERIAL], recording:FILE, sim[:SCENARIO] or auto (default)"
+SOURCES = (
+    "azure-kinect, femto-bolt, femto-mega (each also with ,serial=...), camera, recording:FILE, "
+    "sim[:SCENARIO] or auto (default)"
+)
 
 
 def add_debug(parser: argparse.ArgumentParser) -> None:

@@ -14,6 +14,7 @@ import halo_protocol as wire
 from halo_service.app.commands import (
     bench,
     calibrate,
+    cameras,
     conformance,
     demo,
     doctor,
@@ -53,6 +54,7 @@ COMMANDS: dict[str, Command] = {
     "demo": demo,
     "list": list_services,
     "doctor": doctor,
+    "cameras": cameras,
     "calibrate": calibrate,
     "verify": verify,
     "profile": profile,

@@ -6,16 +6,21 @@ import logging
 import re
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from math import ceil
 
+from halo_service.app.cameras import choose, first_camera
 from halo_service.errors import UserError, suggestion
 from halo_service.files import from_home
 from halo_service.settings import SourceSettings
 from halo_service.sources import Source
+from halo_service.sources.camera_name import CAMERA_KINDS, kind_of, parse_camera_name
 
 log = logging.getLogger(__name__)
 
-KNOWN = ("azure-kinect", "azure-kinect:SERIAL", "recording:FILE", "sim[:SCENARIO]", "auto")
+ANY_CAMERA = "camera"
+"""Whatever camera is plugged in, and never the virtual one."""
+KNOWN = (*CAMERA_KINDS, ANY_CAMERA, "recording:FILE", "sim[:SCENARIO]", "auto")
 
 
 def open_source(
@@ -28,19 +33,23 @@ def open_source(
     opened unless the source names another. Raises `UserError` if the source is unknown or missing.
     """
     name = settings.name
-    if name.partition(":")[0] in ("auto", "azure-kinect") and settings.wait_s > 0.0:
+    if (name in ("auto", ANY_CAMERA) or kind_of(name)) and settings.wait_s > 0.0:
         _wait_for_camera(settings.wait_s, sleep)
     if name == "auto":
-        name = decide()
-    kind, _, rest = name.partition(":")
-    if is_sim(name):
-        kind = "sim"
+        name = decide(serial)
+    elif name == ANY_CAMERA:
+        name = _any_camera(serial)
+    kind = "sim" if is_sim(name) else name.partition(":")[0]
     if kind != "recording" and (settings.loop or settings.fast):
         raise UserError("--loop and --fast work only with --source recording:FILE")
-    opener = _opener(kind, rest, name, settings, serial)
+    opener = _opener(kind, name, settings, serial)
     source = opener()
-    if source.kind == "camera" and not serial:  # with two cameras, the first may be another later
-        return source, _opener(kind, source.camera.serial, name, settings, serial)
+    if source.kind == "camera":
+        from halo_service.sources.warm_up import warm_up_note
+
+        log.warning("camera: %s", warm_up_note(source))
+        if not serial:  # with two cameras, the first may be another later
+            return source, _opener(kind, name, settings, source.camera.serial)
     return source, opener
 
 
@@ -50,39 +59,45 @@ def is_sim(name: str) -> bool:
 
 
 def _wait_for_camera(seconds: float, sleep: Callable[[float], None]) -> None:
-    """Wait until a camera is connected, at most so long."""
-    from halo_service.sources.azure_kinect import connected
-
+    """Wait until a camera is plugged in, at most so long."""
     for second in range(ceil(seconds)):
-        if connected():
+        if first_camera():
             return
         if second == 0:
-            log.warning("source: waiting for an Azure Kinect, at most %.0f s", seconds)
+            log.warning("source: waiting for a camera, at most %.0f s", seconds)
         sleep(1.0)
 
 
-def decide() -> str:
-    """Return what `auto` means now, and log it."""
-    from halo_service.sources.azure_kinect import connected
+def decide(serial: str = "") -> str:
+    """Return what `auto` means now, and log it. `serial`: of the camera that a profile belongs to.
 
-    cameras = connected()
-    if cameras:
-        log.warning("source: found an Azure Kinect")
-        return "azure-kinect"
+    Raises `UserError` if there is a camera that cannot be used: it is never replaced silently.
+    """
+    chosen = choose(serial)
+    if chosen is not None:
+        log.warning("source: found %s", chosen.title)
+        return chosen.kind
     log.warning(
-        "source: NO AZURE KINECT FOUND, using the VIRTUAL camera: all touches are simulated "
+        "source: NO CAMERA FOUND, using the VIRTUAL camera: all touches are simulated "
         "(plug in a camera and start again, or choose with --source)"
     )
     return "sim"
 
 
-def _opener(
-    kind: str, rest: str, name: str, settings: SourceSettings, serial: str
-) -> Callable[[], Source]:
-    if kind == "azure-kinect":
-        from halo_service.sources.azure_kinect import AzureKinect
+def _any_camera(serial: str) -> str:
+    chosen = choose(serial)
+    if chosen is None:
+        raise UserError(
+            "source: no camera is plugged in: plug one in ('halo cameras' lists them), or choose "
+            "another source: --source recording:FILE or --source sim"
+        )
+    return chosen.kind
 
-        return lambda: AzureKinect(rest or serial)
+
+def _opener(kind: str, name: str, settings: SourceSettings, serial: str) -> Callable[[], Source]:
+    if kind_of(name):
+        return _camera_opener(name, serial)
+    rest = name.partition(":")[2]
     if kind == "recording" and rest:
         from halo_service.sources.recording import Recording
 
@@ -96,3 +111,15 @@ def _opener(
         return lambda: VirtualKinect(request)
     hint = suggestion(name, KNOWN) or f"choose from: {', '.join(KNOWN)}"
     raise UserError(f"source: unknown source '{name}'; {hint}")
+
+
+def _camera_opener(name: str, serial: str) -> Callable[[], Source]:
+    kind, options = parse_camera_name(name)
+    options = replace(options, serial=options.serial or serial)
+    if kind == "azure-kinect":
+        from halo_service.sources.azure_kinect import AzureKinect
+
+        return lambda: AzureKinect(options)
+    from halo_service.sources.orbbec.femto import Femto
+
+    return lambda: Femto(kind, options)

@@ -29,7 +29,8 @@ class SourceSettings:
     """`[source]` in halo.toml: where frames come from."""
 
     name: str = "auto"
-    """`azure-kinect[:SERIAL]`, `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
+    """`azure-kinect`, `femto-bolt` or `femto-mega`, with options such as `,serial=...`;
+    `camera` (any), `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
     wait_s: Annotated[float, Ge(0.0)] = 0.0
     """Longest wait for a camera at the start, for a machine that starts faster than its camera;
     only then `auto` chooses the virtual camera."""

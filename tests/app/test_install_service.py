@@ -33,8 +33,9 @@ def value(text: str, key: str) -> str:
 
 @linux
 def test_a_unit_is_written_that_runs_the_service_with_its_options(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
     options = ["--profile", "my desk", "--osc", "127.0.0.1:7000/flat,rate=60"]
     assert main(["install-service", *options]) == 0
     path = tmp_path / "config" / "systemd" / "user" / "halo.service"
@@ -45,10 +46,27 @@ def test_a_unit_is_written_that_runs_the_service_with_its_options(
     command = shlex.split(value(text, "ExecStart"))
     assert command[0] == sys.executable
     serve = command[command.index("serve") + 1 :]
-    assert serve == [*options, "--source", "azure-kinect", "--wait", "3600"]
+    assert serve == [*options, "--source", "camera", "--wait", "3600"]
     assert (value(text, "Type"), value(text, "Restart")) == ("notify", "always")
     assert int(value(text, "WatchdogSec")) > 0
     assert value(text, "WorkingDirectory") == str(tmp_path)
+    assert value(text, "Environment") == "DISPLAY=:0"
+
+
+@linux
+@pytest.mark.parametrize("xvfb_run", [None, "/usr/bin/xvfb-run"])
+def test_without_a_display_the_unit_starts_a_virtual_one_or_says_what_is_missing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, xvfb_run: str | None
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setattr("shutil.which", lambda _: xvfb_run)
+    assert main(["install-service", "--print", "--source", "femto-bolt"]) == 0
+    said = capsys.readouterr()
+    command = shlex.split(value(said.out, "ExecStart"))
+    assert ("apt install xvfb" in said.err) == (xvfb_run is None)
+    assert command[:2] == (["/usr/bin/xvfb-run", "-a"] if xvfb_run else command[:2])
+    assert command[-2:] == ["--wait", "3600"]
+    assert value(said.out, "NotifyAccess") == ("all" if xvfb_run else "main")
 
 
 @linux

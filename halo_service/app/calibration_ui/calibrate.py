@@ -198,7 +198,8 @@ def _virtual_values(request: CalibrateRequest) -> StateValues:
 
 
 def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:
-    name = decide() if settings.source.name == "auto" else settings.source.name
+    serial = saved.camera.serial if saved else ""
+    name = decide(serial) if settings.source.name == "auto" else settings.source.name
     if is_sim(name):
         # Printed boards need the full colour picture; hands are found in a smaller one.
         return VirtualUser(
@@ -209,7 +210,7 @@ def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None
             "calibrate: a recording cannot follow prompts; give its steps with --script FILE"
         )
     source = replace(settings.source, name=name, fast=name.startswith("recording:"))
-    return open_source(source, saved.camera.serial if saved else "")[0]
+    return open_source(source, serial)[0]
 
 
 def _date(source: str) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -26,25 +28,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write a systemd user unit, or print what to do on Windows."""
     from halo_service.app.install_service import (
+        NO_DISPLAY,
         install,
+        on_display,
         serve_command,
         unit_path,
         unit_text,
         windows_line,
     )
     from halo_service.app.parser import parse
+    from halo_service.app.sources import ANY_CAMERA
 
     served = parse(["serve", *options.rest])  # leaves with a sentence for a wrong option
     rest = list(options.rest)
-    if settings_from(served).source.name == "auto":  # it would choose the virtual hand one morning
-        rest += ["--source", "azure-kinect"]
+    source = settings_from(served).source.name
+    if source == "auto":  # it would choose the virtual hand one morning
+        rest += ["--source", ANY_CAMERA]
     if served.wait is None:
         rest += ["--wait", WAIT_S]
     command = serve_command(rest)
     if sys.platform == "win32":
         print(windows_line(command, options.name))
         return 0
-    text = unit_text(command, Path.cwd())
+    variables: dict[str, str] = {}
+    if not source.startswith(("sim", "recording:")):
+        command, variables = on_display(command, os.environ, shutil.which("xvfb-run"))
+        if not variables and command[0] == sys.executable:
+            print(NO_DISPLAY, file=sys.stderr)
+    text = unit_text(command, Path.cwd(), variables)
     if options.print:
         print(text, end="")
         return 0

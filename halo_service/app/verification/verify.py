@@ -150,7 +150,7 @@ def count_touches(verification: Verification, touch_frame: TouchFrame) -> None:
 
 
 def _open_source(settings: Settings, serial: str) -> tuple[Source, Callable[[], Source]]:
-    name = decide() if settings.source.name == "auto" else settings.source.name
+    name = decide(serial) if settings.source.name == "auto" else settings.source.name
     if is_sim(name):
         user = VirtualUser(parse_sim_url(name).room)
         return user, lambda: user

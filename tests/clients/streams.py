@@ -81,6 +81,19 @@ class Session:
 @pytest.fixture(scope="session")
 def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], Session]:
     """`sensed("sim:drumming?seed=3", 12.0)`; cached, so tests of one file share it."""
+    sessions: dict[str, Session] = {}
+
+    def make(name: str, seconds: float) -> Session:
+        if name not in sessions:
+            path = tmp_path_factory.mktemp("sensed") / "recording.jsonl"
+            sessions[name] = sense(name, seconds, path)
+        return sessions[name]
+
+    return make
+
+
+def sense(name: str, seconds: float, path: Path) -> Session:
+    """Sense a scenario of the virtual camera, and write its stream to `path`."""
     from halo_service.app.hand_detector import HandDetector
     from halo_service.app.virtual_user.cache import cached_profile
     from halo_service.app.virtual_user.profile import virtual_profile
@@ -91,8 +104,6 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
     from halo_service.sources import EndOfSource
     from halo_service.virtual.offline import SimulatedRecording
     from halo_service.virtual.sim_url import parse_sim_url
-
-    sessions: dict[str, Session] = {}
 
     class RecordingSource:
         """A virtual recording as a source; collects its ground truth."""
@@ -114,23 +125,16 @@ def sensed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, float], S
         def close(self) -> None:
             """Nothing is open."""
 
-    def make(name: str, seconds: float) -> Session:
-        if name not in sessions:
-            request, truth = parse_sim_url(name), []
-            profile = cached_profile(request.room, Settings(), virtual_profile)
-            recording = SimulatedRecording(request, seconds, colour=False, start_s=EMPTY_S)
-            source = RecordingSource(recording, truth)
-            detector = HandDetector(source.camera, profile, Settings().tracking, paced=True)
-            try:
-                state = OURS.start(profile, Settings().sensing)
-                frames = list(replay(source, detector.detect, OURS, state))
-            finally:
-                detector.close()
-            path = tmp_path_factory.mktemp("sensed") / "recording.jsonl"
-            lines = [frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)]
-            path.write_text("".join(lines))
-            truth.append({"surface": source.surface})
-            sessions[name] = Session(path, truth, frames)
-        return sessions[name]
-
-    return make
+    request, truth = parse_sim_url(name), []
+    profile = cached_profile(request.room, Settings(), virtual_profile)
+    recording = SimulatedRecording(request, seconds, colour=False, start_s=EMPTY_S)
+    source = RecordingSource(recording, truth)
+    detector = HandDetector(source.camera, profile, Settings().tracking, paced=True)
+    try:
+        state = OURS.start(profile, Settings().sensing)
+        frames = list(replay(source, detector.detect, OURS, state))
+    finally:
+        detector.close()
+    path.write_text("".join(frame_line(each, "sim", "s1", n) for n, each in enumerate(frames)))
+    truth.append({"surface": source.surface})
+    return Session(path, truth, frames)

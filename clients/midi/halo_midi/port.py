@@ -134,3 +134,41 @@ class MidiPort:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+class OwnPort:
+    """A port that this program creates and others connect to; a context manager.
+
+    Raises `MidiError` where the system has no such ports.
+    """
+
+    def __init__(
+        self, name: str, opening: Messages, closing: Messages, ports: Ports = mido
+    ) -> None:
+        """`name`: what other programs show; `opening`: what to send first."""
+        self._closing = closing
+        try:
+            with quiet():
+                self._port = ports.open_output(name, virtual=True)
+        except (ImportError, NotImplementedError, *ERRORS) as error:
+            raise MidiError(
+                f"no MIDI port can be created on this machine ({error}); name one that exists "
+                "with --port (on Windows, of loopMIDI), or try --print, which needs none"
+            ) from error
+        self.send(opening)
+
+    def send(self, messages: Messages) -> None:
+        """Send what a function returns."""
+        for message in messages():
+            self._port.send(message)
+
+    def close(self) -> None:
+        """Send the last messages and remove the port."""
+        self.send(self._closing)
+        self._port.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from halo_service.app.process import stop_on_signals
 from halo_service.errors import UserError
 
-SUMMARY = "try drums, paint or type with virtual hands instead of a camera"
+SUMMARY = "try drums, MIDI, paint or type with virtual hands instead of a camera"
 EXAMPLE = "halo demo drums"
 
 TICK_S = 0.1
@@ -47,6 +47,7 @@ class Demo:
 
 DEMOS = {
     "drums": Demo("halo_drums.app", "sim:drumming", (), ("miniaudio", "pygame")),
+    "midi": Demo("halo_midi.app", "sim:demo", (), ("mido", "pygame", "rtmidi")),
     "paint": Demo("halo_paint.app", "sim:painting", ("--vary",), ("numpy", "pygame")),
     "type": Demo(
         "halo_type.app", "sim:typing", ("--pause", "1.6"), ("miniaudio", "numpy", "pygame"), True

@@ -20,6 +20,8 @@ from halo_protocol import Frame, encode_frame, event_to_json
 
 BIN = Path(sys.executable).parent
 SOUND = {"halo-drums": ("--silent",), "halo-paint": (), "halo-type": ("--silent",)}
+PROGRAMS = SOUND | {"halo-midi": ("--print",)}
+"""All clients, without a device."""
 Run = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -62,10 +64,10 @@ def read_line(process: subprocess.Popen[str], word: str, seconds: float = 20.0) 
 @pytest.fixture
 def both(run: Run) -> list[tuple[subprocess.Popen[str], int]]:
     """All clients, each with its own port; they start at the same time."""
-    ports = [_free_port() for _ in SOUND]
+    ports = [_free_port() for _ in PROGRAMS]
     return [
         (run(program, *options, "--from", f"osc://127.0.0.1:{port}"), port)
-        for (program, options), port in zip(SOUND.items(), ports, strict=True)
+        for (program, options), port in zip(PROGRAMS.items(), ports, strict=True)
     ]
 
 
@@ -151,18 +153,36 @@ def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -
     assert error.count("\n") == 1
 
 
+def test_without_midi_there_is_one_sentence(run: Run, udp_port: int) -> None:
+    if Path("/dev/snd/seq").exists():
+        pytest.skip("this machine has MIDI")
+    process = run("halo-midi", "--from", f"osc://127.0.0.1:{udp_port}")
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 2
+    assert error.startswith("halo-midi: no MIDI port can be created on this machine (")
+    assert "--print, which needs none" in error and error.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("command", "message"),
     [
         (("halo-drums", "--silent", "--from", "nonsense"), "unknown source 'nonsense'"),
         (("halo-drums", "--render", "a.wav"), "need a recorded stream"),
+        (("halo-midi", "--render", "a.mid"), "needs a recorded stream"),
+        (("halo-midi", "--from", "a.jsonl", "--render", "a.mp3"), "is neither a .mid nor a .wav"),
+        (("halo-midi", "--root", "H2"), "'H2' is no note"),
+        (("halo-midi", "--bend", "97"), "'97' is not a number from 1 to 96"),
+        (("halo-midi", "--soft", "500"), "--loud 400 must be above --soft 500"),
         (("halo-paint", "--from", "none.jsonl", "--render", "a.png"), "cannot read none.jsonl"),
         (("halo-paint", "--render", "a.png"), "needs a recorded stream"),
         (("halo-type", "--render", "a.csv"), "needs a recorded stream"),
         (("halo-type", "--layout", "dvorak"), "choose from qwerty, qwertz, azerty"),
         (("halo-type", "--phrases", "none.txt"), "cannot read none.txt"),
         (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
-        (("halo", "demo", "flute"), "unknown client 'flute'; choose from: drums, paint, type"),
+        (
+            ("halo", "demo", "flute"),
+            "unknown client 'flute'; choose from: drums, midi, paint, type",
+        ),
     ],
 )
 def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], message: str) -> None:
@@ -178,6 +198,7 @@ def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], messag
     [
         ("halo-drums", "--render", "it.wav"),
         ("halo-drums", "--picture", "it.png"),
+        ("halo-midi", "--render", "it.mid"),
         ("halo-paint", "--render", "it.svg"),
         ("halo-paint", "--render", "it.png"),
         ("halo-type", "--render", "it.csv"),

@@ -13,6 +13,7 @@ from halo_service.sensing.detections import detections
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
 from halo_service.sensing.label_pixels import without_others
+from halo_service.sensing.nail import halo_behind_mm
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
@@ -49,6 +50,8 @@ class Observation:
     """The other readings (see `sensing.readings`), before correction; nan if hidden."""
     width_mm: float = math.nan
     """Of the fingertip; nan where its sides are not clear."""
+    halo_behind_mm: float = math.nan
+    """How far behind the pad the halo is deepest; nan where it is hidden."""
 
     @property
     def readings(self) -> tuple[float, ...]:
@@ -104,6 +107,7 @@ class Observer:
             _line_pixels(segmentation, tip),
             tuple(depths_mm),
             tip.width_mm,
+            halo_behind_mm(segmentation, tip, profile),
         )
 
 

@@ -92,6 +92,8 @@ class TouchStates:
     """Half the fingertip's width (where unmeasured: half an adult's index finger, chosen)."""
     hard: TouchState | None = None
     """A press harder than the medium one, for the far end of the force's curve; None: not held."""
+    nail_mm: float = 0.0
+    """How far the outline reaches beyond the fingertip, along the finger: a long nail."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ from halo_service.geometry.surface import Surface
 from halo_service.profile import TouchStates
 from halo_service.sensing.detector import Detector
 from halo_service.sensing.hover import hover_height
+from halo_service.sensing.nail import pad_under_nail
 from halo_service.sensing.pressure import (
     FORCE_UNKNOWN_G,
     force,
@@ -150,6 +151,7 @@ def describe(
     touching = contact.touching
     pressure = touch_pressure(signal, states) if touching else 0.0
     deviation_g = touch_force(signal, states)[1] if touching and knows_force(states) else math.nan
+    x_mm, y_mm = pad_under_nail(tip, states.nail_mm)
     hover_mm, deviation_mm = (0.0, math.nan) if touching else hover_height(signal, tip, states)
     return Pointer(
         id=id,
@@ -157,8 +159,8 @@ def describe(
         side=tip.side,
         finger=tip.finger,
         state=Touch.TOUCH if touching else Touch.HOVER,
-        x_mm=tip.pad_mm[0],
-        y_mm=tip.pad_mm[1],
+        x_mm=x_mm,
+        y_mm=y_mm,
         hover_mm=hover_mm,
         pressure=pressure,
         force_g=force(pressure, states) if touching else _no_force(states),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from statistics import NormalDist
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -37,13 +38,22 @@ NORMAL = NormalDist()
 Floats = NDArray[np.float32]
 
 
-def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tuple[float, ...]:
-    """Return the sum over the patch, mm px, the deepest areas' mean depths and the patch's, mm.
+class Around(NamedTuple):
+    """What surrounds a fingertip, (h, w) each; lengths in mm of the surface."""
 
-    The depths are about 0 without a halo, nan where too little of the surface is visible.
-    """
+    excess_mm: Floats
+    along: NDArray[np.float64]
+    """From the pad, positive beyond the tip."""
+    across: NDArray[np.float64]
+    seen: NDArray[np.bool_]
+    """Surface that the camera measured."""
+    noise_mm: Floats
+    """Of the empty surface."""
+
+
+def around_pad(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Around | None:
+    """Return what lies within `AROUND_MM` of the pad, None where the image ends before it."""
     scale = on_surface(profile)
-    total = extract(segmentation, tip)
     dx, dy = unit(tip.distal_px, tip.tip_px)
     pad_px = profile.surface.in_picture(np.array([tip.pad_mm]), profile.camera.depth, np.eye(4))
     x, y = segmentation.inside((float(pad_px[0, 0]), float(pad_px[0, 1])))
@@ -52,18 +62,37 @@ def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tu
     window = np.s_[top : max(round(y) + reach + 1, 0), left : max(round(x) + reach + 1, 0)]
     excess_mm = segmentation.excess_mm[window]
     if excess_mm.size < LEAST_PX:
-        return total, math.nan, math.nan, math.nan
+        return None
     right = (np.arange(left, left + excess_mm.shape[1]) - x) / scale
     down = (np.arange(top, top + excess_mm.shape[0]) - y)[:, None] / scale
-    along, across = right * dx + down * dy, down * dx - right * dy
     seen = cv2.erode(segmentation.free[window].astype(np.uint8), EDGE).astype(np.bool_)
-    seen &= excess_mm != 0.0
+    noise_mm = profile.background.noise_mm[segmentation.rows, segmentation.columns][window]
+    return Around(
+        excess_mm,
+        right * dx + down * dy,
+        down * dx - right * dy,
+        seen & (excess_mm != 0.0),
+        noise_mm,
+    )
+
+
+def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tuple[float, ...]:
+    """Return the sum over the patch, mm px, the deepest areas' mean depths and the patch's, mm.
+
+    The depths are about 0 without a halo, nan where too little of the surface is visible.
+    """
+    total = extract(segmentation, tip)
+    near = around_pad(segmentation, tip, profile)
+    if near is None:
+        return total, math.nan, math.nan, math.nan
+    excess_mm, along, across, seen, noise_mm = near
     half, back, ahead = PATCH_MM
     patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
-    around = excess_mm[seen & (right**2 + down**2 < AROUND_MM**2) & (along > -BACK_MM)]
-    noise_mm = profile.background.noise_mm[segmentation.rows, segmentation.columns][window]
+    around = excess_mm[seen & (along**2 + across**2 < AROUND_MM**2) & (along > -BACK_MM)]
+    px_per_mm2 = on_surface(profile) ** 2
     first, second = (
-        _deepest(around, round(area * scale**2), float(np.median(noise_mm))) for area in DEEPEST_MM2
+        _deepest(around, round(area * px_per_mm2), float(np.median(noise_mm)))
+        for area in DEEPEST_MM2
     )
     return total, first, second, float(patch.mean()) if patch.size >= LEAST_PX else math.nan
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -209,3 +210,20 @@ def test_dents_that_separate_the_states_are_used_without_a_note(
     assert quality == "good"
     after = touch_change(Setup("desk", profile.camera, "2024-05-01"), holds)(profile)
     assert NO_DENTS not in after.steps["touch"].note
+
+
+@pytest.mark.parametrize(
+    ("behind_mm", "nail_mm"), [(-5.0, 0.0), (-1.0, 0.0), (4.0, 8.5), (40.0, 15.0), (math.nan, 2.8)]
+)
+def test_a_halo_far_behind_the_outline_shows_a_long_nail(
+    hold: Hold, behind_mm: float, nail_mm: float
+) -> None:
+    holds = all_of(hold)
+    for state in ("touch", "pressure"):
+        seen = tuple(
+            replace(each, halo_behind_mm=behind_mm, pitch_deg=45.0)
+            for each in holds[state].observations
+        )
+        holds[state] = replace(holds[state], observations=seen)
+    states, _, _ = solve_touch(holds, StateValues(), None)
+    assert states.nail_mm == pytest.approx(nail_mm, abs=0.1)

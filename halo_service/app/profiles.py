@@ -152,10 +152,10 @@ def results(profile: Profile) -> Rows:
 
 
 def _steps(profile: Profile) -> Rows:
+    from halo_service.app.calibration_ui.verdict import step_sentence  # OpenCV takes its time
+
     for step, record in profile.steps.items():
-        figures = ", ".join(f"{key} {value:g}" for key, value in record.figures.items())
-        note = f" ({record.note})" if record.note else ""
-        yield step, f"{record.quality}, {record.date}. {figures}{note}"
+        yield step, f"{record.quality}, {record.date}. {step_sentence(step, record)}"
 
 
 def _correction(profile: Profile) -> Rows:

@@ -123,17 +123,24 @@ def load(folder: Path) -> Profile:
 
 def require_fit(profile: Profile, camera: Camera) -> None:
     """Raise `UserError` when the profile belongs to another camera, mode or lens."""
-    made = profile.camera
-    for what, ours, theirs, same in (
-        ("camera", camera.serial, made.serial, camera.serial == made.serial),
-        ("depth mode", camera.depth_mode, made.depth_mode, camera.depth_mode == made.depth_mode),
-        ("depth lens", camera.depth, made.depth, _same_lens(camera.depth, made.depth)),
-    ):
-        if not same:
-            raise UserError(
-                f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
-                f"choose the profile made with this camera, or calibrate again"
-            )
+    differs = difference(camera, profile.camera)
+    if differs is not None:
+        what, ours, theirs = differs
+        raise UserError(
+            f"the profile '{profile.name}' belongs to {what} {theirs}, and this is {ours}; "
+            f"choose the profile made with this camera, or calibrate again"
+        )
+
+
+def difference(ours: Camera, theirs: Camera) -> tuple[str, object, object] | None:
+    """Return in what two cameras differ, and what each has; None: their frames are alike."""
+    if ours.serial != theirs.serial:
+        return "camera", ours.serial, theirs.serial
+    if ours.depth_mode != theirs.depth_mode:
+        return "depth mode", ours.depth_mode, theirs.depth_mode
+    if not _same_lens(ours.depth, theirs.depth):
+        return "depth lens", ours.depth, theirs.depth
+    return None
 
 
 def require_touch(profile: Profile) -> None:

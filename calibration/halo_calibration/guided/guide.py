@@ -16,6 +16,7 @@ from halo_calibration.solvers.background import WANTED_FRAMES
 from halo_calibration.solvers.sweep import SWEEP_S, SweepObservations, covered, draw_map, samples_of
 from halo_calibration.solvers.touch import HOLD_S, HoldObservations, check_hold
 from halo_calibration.steps import Change, Setup
+from halo_calibration.steps.camera import LOOK_S, CameraReport, camera_report
 from halo_calibration.steps.session import Session
 from halo_service.profile import Profile
 from halo_service.values import Frame
@@ -99,6 +100,15 @@ class GuidedCalibration:
         self._detector_for = detector_for
         self._hold_s = hold_s
         self.left_s = 0.0
+
+    def camera(self) -> CameraReport:
+        """Judge where the camera is, what it measures, and how bright it is."""
+        self.guide.prompt(PROMPTS["background"])
+        frames = []
+        for frame in self.timed("camera", LOOK_S):
+            self.guide.live(self.left_s, True, "looking at the empty table")
+            frames.append(frame)
+        return camera_report(frames, self.setup.camera)
 
     def background(self) -> Change:
         """Calibrate the empty surface."""

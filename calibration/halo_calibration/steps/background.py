@@ -17,6 +17,8 @@ from halo_calibration.steps.change import Change, Setup, require, rounded
 from halo_service.profile import Profile, StepRecord
 from halo_service.values import Frame
 
+BY_BACKGROUND = "placed by the background step, in the middle of the picture"
+"""Note of a surface that no step of its own has placed."""
 SAME_MM, SAME_DEG = 3.0, 0.5
 """If the plane of a new background agrees this well, the surface stays where it was."""
 HANDS_LOOKED_FOR = 10
@@ -53,7 +55,7 @@ def background_change(setup: Setup, frames: Sequence[Frame], detect: DetectHands
                 correction=None, projector=None, anchor=None,
             )  # fmt: skip
             steps = {"background": record}
-        steps.setdefault("surface", _surface_record(setup, plane))
+        steps.setdefault("surface", _surface_record(setup, plane, BY_BACKGROUND))
         return replace(fresh, halo_threshold_mm=halo_threshold(background), steps=steps)
 
     return change
@@ -95,7 +97,7 @@ def _agrees(before: Profile, plane: Plane) -> bool:
     return abs(distance_mm - plane.distance_mm) < SAME_MM and turned < SAME_DEG
 
 
-def _surface_record(setup: Setup, plane: Plane) -> StepRecord:
+def _surface_record(setup: Setup, plane: Plane, note: str = "") -> StepRecord:
     good = plane.residual_mm < FAIR_RESIDUAL_MM and plane.left_out < FAIR_LEFT_OUT
     return StepRecord(
         setup.date,
@@ -106,5 +108,5 @@ def _surface_record(setup: Setup, plane: Plane) -> StepRecord:
             distance_mm=plane.distance_mm,
             tilt_deg=plane.tilt_deg,
         ),
-        plane.note,
+        "; ".join(each for each in (note, plane.note) if each),
     )

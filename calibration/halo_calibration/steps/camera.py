@@ -1,6 +1,6 @@
 """Whether a camera is placed well: its height and tilt, what it measures, how bright it is.
 
-Rule: as `steps`: no prompts, no frames fetched; nothing is stored.
+Rule: as `steps`: no prompts, no frames fetched.
 """
 
 from __future__ import annotations
@@ -9,13 +9,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halo_calibration.errors import CalibrationError
 from halo_calibration.solvers.background import solve_background
 from halo_calibration.solvers.plane import Plane, solve_plane
+from halo_calibration.steps.change import rounded
 from halo_service.geometry.camera import Camera
+from halo_service.profile import StepRecord
 from halo_service.profile.model import Quality
-from halo_service.values import Frame
+from halo_service.values import Frame, Infrared
 
 LOWEST_MM, HIGHEST_MM = 400.0, 1000.0
 """Tested heights are 450 to 1000 mm; nearer a hand leaves the picture, farther the halo drowns."""
@@ -25,6 +28,10 @@ LEAST_MEASURED = 0.95
 """Share of the middle half that should give a depth."""
 SATURATED = 65_535
 MOST_SATURATED = 0.01
+LOOK_S = 2.1
+"""A little more than the frames that a background needs."""
+ROWS, COLUMNS = 8, 12
+"""Of the map."""
 DARK_COUNTS = 60
 """Infrared in the middle, below which the depth's noise hides a halo (chosen)."""
 
@@ -45,6 +52,19 @@ class CameraReport:
     quality: Quality
     advice: tuple[str, ...]
     """What to change; empty: nothing."""
+    map: tuple[str, ...]
+    """What of the picture is measured, a line a row; see `MAP`."""
+
+    def record(self, date: str) -> StepRecord:
+        """Return what a profile stores of it."""
+        figures = rounded(
+            height_mm=self.height_mm,
+            tilt_deg=self.tilt_deg,
+            measured_share=self.measured_share,
+            infrared=self.infrared,
+            saturated_share=self.saturated_share,
+        )
+        return StepRecord(date, self.quality, figures, " ".join(self.advice).rstrip("."))
 
 
 def camera_report(frames: Sequence[Frame], camera: Camera) -> CameraReport:
@@ -68,6 +88,28 @@ def camera_report(frames: Sequence[Frame], camera: Camera) -> CameraReport:
         saturated,
         "fair" if advice else "good",
         advice,
+        _map(background.valid, frames[-1].ir),
+    )
+
+
+MAP = "█ measured   ░ too dark   ☼ too bright   · not measured"
+"""What the marks of a map mean."""
+
+
+def _map(valid: NDArray[np.bool_], infrared: Infrared) -> tuple[str, ...]:
+    """Mark each part of the picture by what most of its pixels are."""
+    bright = infrared >= SATURATED
+    dark = valid & (infrared < DARK_COUNTS)
+    kinds = {"█": valid & ~bright & ~dark, "☼": bright, "░": dark, "·": ~valid & ~bright}
+
+    def mark(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> str:
+        part = np.ix_(rows, columns)
+        return 2 * max(kinds, key=lambda each: float(np.mean(kinds[each][part])))
+
+    rows, columns = (np.arange(length) for length in valid.shape)
+    return tuple(
+        "".join(mark(row, column) for column in np.array_split(columns, COLUMNS))
+        for row in np.array_split(rows, ROWS)
     )
 
 

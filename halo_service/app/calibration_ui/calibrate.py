@@ -18,14 +18,16 @@ from halo_calibration.scripted.run import ScriptedCalibration
 from halo_calibration.scripted.script import read_script
 from halo_calibration.solvers.touch import StateValues
 from halo_calibration.steps import STEPS, Change, Setup, require
+from halo_calibration.steps.camera import MAP, CameraReport
 from halo_calibration.steps.session import Session
 from halo_service.app.calibration_ui.place import PLACED, WAYS, PlaceRequest, place
-from halo_service.app.calibration_ui.terminal import Terminal, step_line
+from halo_service.app.calibration_ui.terminal import Terminal
+from halo_service.app.calibration_ui.verdict import step_line
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.sources import decide, is_sim, open_source
 from halo_service.app.virtual_user.user import HARD_G, STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
-from halo_service.profile import Profile
+from halo_service.profile import Profile, StepRecord
 from halo_service.profile.store import amend, exists, load, profile_path, require_fit
 from halo_service.settings import Settings
 from halo_service.sources import Source
@@ -73,7 +75,7 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
             _by_script(setup, source, detector_for, request.script, folder)
         else:
             _guided(setup, source, detector_for, request, folder)
-        left = missing(load(folder))
+        left = missing(load(folder) if exists(folder) else None)
         say = Terminal(None).say
         say(f"Still missing: {', '.join(left)}." if left else _next_step(settings))
     return folder
@@ -97,6 +99,13 @@ def _guided(
     if isinstance(source, VirtualUser):
         terminal.say("There is no camera, so a virtual user follows the prompts.")
     for name in todo:
+        if name == "camera":
+            report = guided.camera()
+            for line in camera_lines(report, setup.date):
+                terminal.say(line)
+            if profile is not None:
+                amend(folder, with_record(name, report.record(setup.date)))
+            continue
         change = run_step(name, guided, source, request, profile)
         profile = amend(folder, change)
         for each in (name, *FOLLOWED_BY.get(name, ())):
@@ -122,6 +131,23 @@ def run_step(
     if name in PLACED:
         return place(name, guided, source, request.place, known, screen)
     return guided.touch(known) if name == "touch" else guided.sweep(known)
+
+
+def camera_lines(report: CameraReport, date: str) -> list[str]:
+    """Return how the camera is placed: a map, what its marks mean, the figures and advice."""
+    return [*report.map, MAP, step_line("camera", report.record(date))]
+
+
+def with_record(step: str, record: StepRecord | None) -> Change:
+    """Return the change that notes a step which measures nothing for the profile; None: forgets
+    it."""
+
+    def change(before: Profile | None) -> Profile:
+        known = require(before, step)
+        others = {name: each for name, each in known.steps.items() if name != step}
+        return replace(known, steps={**others, step: record} if record else others)
+
+    return change
 
 
 def _by_script(
@@ -158,7 +184,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
         stack.callback(source.close)
         require_fit(profile, source.camera)
         terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
-        setup = Setup(profile.name, source.camera, _date(settings.source.name), settings.sensing)
+        setup = Setup(profile.name, source.camera, date_of(settings.source.name), settings.sensing)
         guided = GuidedCalibration(
             setup, Session(source), terminal, detectors_for(source, settings, stack)
         )
@@ -184,7 +210,7 @@ def setup_for(settings: Settings, request: CalibrateRequest, folder: Path, sourc
     return Setup(
         name=folder.name,
         camera=source.camera,
-        date=_date(settings.source.name),
+        date=date_of(settings.source.name),
         settings=settings.sensing,
         state_values=_virtual_values(request) if virtual else request.state_values,
         base=choose_base(request.base, source.camera.serial),
@@ -213,7 +239,7 @@ def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None
     return open_source(source, serial)[0]
 
 
-def _date(source: str) -> str:
+def date_of(source: str) -> str:
     """Return the date of the frames: now, or the date of the recording."""
     kind, _, rest = source.partition(":")
     seconds = Path(rest).stat().st_mtime if kind == "recording" else time.time()

@@ -10,7 +10,6 @@ from collections.abc import Callable
 
 from halo_calibration.guided.guide import Prompt
 from halo_calibration.observe import Observation
-from halo_service.profile import StepRecord
 
 BAR = 24
 """Characters of the live signal."""
@@ -68,10 +67,3 @@ class Terminal:
             up = f"\x1b[{self._lines - 1}A" if self._lines > 1 else ""
             sys.stderr.write(f"\r{up}\x1b[J")
             self._lines = 0
-
-
-def step_line(step: str, record: StepRecord) -> str:
-    """Return the result of a step in one line."""
-    figures = ", ".join(f"{name} {value:g}" for name, value in record.figures.items())
-    note = f" ({record.note})" if record.note else ""
-    return f"{step}: {record.quality}. {figures}{note}"

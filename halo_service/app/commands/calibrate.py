@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 SUMMARY = "calibrate a table and a finger, step by step"
 EXAMPLE = "halo calibrate --profile desk"
 
-STEPS = ("background", "surface", "touch", "sweep", "projector", "anchor", "pilot")
+STEPS = ("camera", "background", "surface", "touch", "sweep", "projector", "anchor", "pilot")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,8 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         choices=STEPS,
         metavar="STEP",
-        help="background, surface, touch, sweep, projector, anchor or pilot "
-        "(default: each of the first four that is missing)",
+        help="camera, background, surface, touch, sweep, projector, anchor or pilot "
+        "(default: each of background, touch, "
+        "sweep that is missing)",
     )
     add_source(parser)
     parser.add_argument("--script", type=Path, metavar="FILE", help="steps of a recording, by time")

@@ -64,6 +64,8 @@ class PageObserver:
         """Each gets every camera frame: a recording, the wizard."""
         self.touch_taps: set[Callable[[TouchFrame], None]] = set()
         """Each gets every frame of touches."""
+        self.about_source: Callable[[], dict[str, Any]] = dict
+        """Returns where the frames come from now, for the scene."""
         self.about: dict[str, Any] = {}
         """Facts of the service that do not change."""
         self.log = LogLines()
@@ -143,7 +145,7 @@ class PageObserver:
         return Look(self._frame, touch_frame, self._camera, state.profile, state.drift.offset_mm)
 
     def _show_scene(self, state: State) -> None:
-        scene = scene_value(state)
+        scene = {**scene_value(state), **self.about_source()}
         if scene != self._scene:
             self._scene = scene
             self._server.broadcast(scene)

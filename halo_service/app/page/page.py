@@ -34,13 +34,25 @@ class ControlPage:
             inner, self.server, source.camera, parts.fit, lambda: self._outputs.counts()
         )
         self._outputs = OutputCalls(settings, parts.osc, parts.web, self.observer)
-        self._records = RecordCalls(source.kind, source.camera, self.observer)
         reloader = parts.reloader
         profiles = ProfileCalls(reloader, lambda: reloader.profile.name if reloader.profile else "")
         changes = SettingsCalls(settings, request.config, parts.osc, self.observer.request)
-        self._wizard = Wizard(settings, source, self.observer, reloader, self.server, parts.paused)
-        self.observer.about = {
+        self._wizard = Wizard(
+            settings,
+            source,
+            self.observer,
+            reloader,
+            self.server,
+            parts.paused,
+            changes.profile_at_start,
+        )
+        records = RecordCalls(source, self.observer, lambda: self._wizard.running)
+        self._records = records
+        self.observer.about_source = lambda: {
             "source": source.kind,
+            "recording": records.replayed,
+        }
+        self.observer.about = {
             "source_name": settings.source.name,
             "serial": source.camera.serial,
             "depth_mode": source.camera.depth_mode,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from halo_service.outputs.osc import OscOutput
 from halo_service.settings import Settings
-from halo_service.sources import Source
+from halo_service.sources.switched import SwitchedSource
 
 if TYPE_CHECKING:
     from halo_service.app.service.profile_reloader import ProfileReloader
@@ -32,7 +32,8 @@ class Parts:
     """The parts of the service that the page works with."""
 
     settings: Settings
-    source: Source
+    source: SwitchedSource
+    """Shows a recording in the camera's place."""
     osc: OscOutput
     web: WebServer | None
     reloader: ProfileReloader

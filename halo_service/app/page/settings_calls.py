@@ -44,6 +44,13 @@ class SettingsCalls:
         """Return the calls."""
         return {"settings": Call(self._read, reads=True), "change-settings": Call(self._change)}
 
+    def profile_at_start(self) -> str:
+        """Return the profile that the file names; empty: none, or the file cannot be read."""
+        try:
+            return load(self._path).profile
+        except UserError:
+            return ""
+
     def _read(self, request: dict[str, Any]) -> dict[str, Any]:
         del request
         path = settings_path(self._path) or DEFAULT_FILE

@@ -56,7 +56,8 @@ class Publisher:
         `zenoh_missing`: routers and peers without a connection."""
         self._frames = frames
         self._carriers = carriers
-        self._kind = kind
+        self.kind: SourceKind = kind
+        """Changes when the control page shows a recording in the camera's place."""
         self._camera = camera
         self._surface = surface
         self._control_port = control_port
@@ -87,7 +88,7 @@ class Publisher:
             height_mm,
             CALIBRATIONS[profile.calibrated if profile else "none"],
             revision,
-            SOURCES[self._kind],
+            SOURCES[self.kind],
             float(self._camera.fps),
             self._control_port,
             collision=int(self._names is not None and self._names.collision(time.monotonic())),

@@ -7,7 +7,6 @@ import secrets
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from functools import partial
 from typing import TYPE_CHECKING
 
 import halo_protocol as wire
@@ -37,9 +36,10 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.live import LiveLoop
 from halo_service.runtime.tracker_thread import TrackerThread
-from halo_service.sensing import DEFAULT_SURFACE, State, start
+from halo_service.sensing import DEFAULT_SURFACE, State, adopt, start
 from halo_service.settings import Settings
 from halo_service.sources import ColourSwitch, Source
+from halo_service.sources.switched import SwitchedSource
 from halo_service.values import Frame
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ def serve(
         saved = load(profile_path(settings.profile)) if settings.profile else None
         surface = saved.surface.name if saved else DEFAULT_SURFACE[0]
         source, reopen = open_source(settings.source, saved.camera.serial if saved else "")
-        stack.callback(source.close)
+        switched = SwitchedSource(source)
+        stack.callback(switched.close)
         session = f"s{secrets.token_hex(4)}"
         names = NameWatch(node, session)
         leases = Leases(node, session, settings.control.networks)
@@ -102,12 +103,16 @@ def serve(
             stack.callback(tracker.close)
             reloader.on_change = tracker.reload
         paused = threading.Event()
-        parts = Parts(settings, source, osc, web, reloader, lambda: fit.fit, paused)
+        parts = Parts(settings, switched, osc, web, reloader, lambda: fit.fit, paused)
         page = _page(parts, page_request or PageRequest(), publisher, stack)
 
-        def control_and_report(state: State, source: Source | None) -> State:
+        def control_and_report(state: State, opened: Source | None) -> State:
             systemd.alive()
+            source = switched.source if opened is not None else None
             state = handler.handle(state, source)
+            if publisher.kind != switched.kind:
+                publisher.kind = switched.kind
+                state = adopt(state, state.profile) if state.profile else state
             if isinstance(source, ColourSwitch):
                 shown = page is not None and page.observer.needs_colour
                 source.with_colour(shown or _needs_colour(reloader.profile))
@@ -121,8 +126,8 @@ def serve(
 
         handler = ControlHandler(control, reloader, leases, osc, paused)
         loop = LiveLoop(
-            source,
-            partial(_reopen_same, reopen, source.camera),
+            switched,
+            lambda: switched.reopened(_reopen_same(reopen, source.camera)),
             tracker,
             start(profile, settings.sensing),
             page.observer if page else publisher,

@@ -12,6 +12,7 @@ from halo_calibration.guided.projector import Screen
 from halo_service.app.projector.display import Display
 from halo_service.app.verification.crossings import Finger, Grid, Landing
 from halo_service.errors import UserError
+from halo_service.profile import StepRecord
 
 
 def _print(words: str) -> None:
@@ -21,15 +22,22 @@ def _print(words: str) -> None:
 class Verification:
     """One grid, until all of its crossings are touched."""
 
-    def __init__(self, grid: Grid, screen: Screen, say: Callable[[str], None] = _print) -> None:
-        """`say`: gets a line for each touch."""
+    def __init__(
+        self,
+        grid: Grid,
+        screen: Screen,
+        say: Callable[[str], None] = _print,
+        watch: Callable[[Grid], None] = lambda grid: None,
+    ) -> None:
+        """`say`: gets a line for each touch; `watch`: is called in each frame."""
         self.grid = grid
-        self._say = say
+        self._say, self._watch = say, watch
         self._screen = screen
         self._screen.show(grid.picture([]))
 
     def update(self, fingers: Sequence[Finger], downs: Sequence[tuple[float, float]]) -> None:
         """Draw one frame and count the touches that begin in it; mm on the surface."""
+        self._watch(self.grid)
         for x_mm, y_mm in downs:
             landing = self.grid.land(x_mm, y_mm)
             self._say(_landing_line(self.grid, x_mm, y_mm, landing))
@@ -90,3 +98,19 @@ def summary_lines(grid: Grid, within_mm: float) -> tuple[list[str], bool]:
     good = summary.p95_mm <= within_mm and summary.crossings == len(grid.places)
     result = "passed" if good else "failed"
     return [figures, f"{result}: touch all crossings, 95 % within {within_mm:g} mm"], good
+
+
+def verify_record(grid: Grid, date: str) -> StepRecord | None:
+    """Return what a profile stores of a verification; None before the first touch."""
+    summary = grid.summary()
+    if summary is None:
+        return None
+    figures = {
+        "touches": summary.touches,
+        "crossings": summary.crossings,
+        "median_mm": summary.median_mm,
+        "p95_mm": summary.p95_mm,
+        "worst_mm": summary.worst_mm,
+    }
+    rounded = {name: round(float(value), 2) for name, value in figures.items()}
+    return StepRecord(date, "good", rounded, f"the worst is {grid.name(summary.worst)}")

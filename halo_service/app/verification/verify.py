@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from halo_calibration.guided.guide import Prompt
 from halo_calibration.guided.projector import Screen
+from halo_service.app.calibration_ui.verdict import WITHIN_MM
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.process import stop_on_signals
 from halo_service.app.projector.screens import ScreenRequest, screen_for
@@ -34,8 +35,6 @@ from halo_service.sources import Source
 from halo_service.values import Touch, TouchFrame
 from halo_service.virtual.sim_url import parse_sim_url
 
-WITHIN_MM = 5.0
-"""Bound for 95 % of the touches: in the paper they are off by 5.5 mm on average (6.2)."""
 VIRTUAL_PATIENCE_S = 12.0
 """The virtual user goes on to the next crossing after this time without a touch."""
 

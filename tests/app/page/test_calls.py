@@ -6,6 +6,7 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from halo_service.app.page.record_calls import RecordCalls
 from halo_service.app.page.settings_calls import SettingsCalls
 from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.errors import UserError
+from halo_service.geometry.camera import Camera
 from halo_service.outputs.destination import parse_destination
 from halo_service.outputs.osc import OscOutput
 from halo_service.profile.store import profile_path, save
@@ -27,6 +29,7 @@ from halo_service.runtime.health import Health
 from halo_service.sensing import SensingSettings, State, start
 from halo_service.settings import Settings, load
 from halo_service.sources.recording import Recording
+from halo_service.sources.switched import SwitchedSource
 from halo_service.values import Frame, TouchFrame
 from halo_service.web.control_page.server import PageServer
 from halo_service.web.settings import PageSettings
@@ -202,8 +205,29 @@ def test_a_test_pattern_reaches_one_destination(
     assert {each.node for each in seen if isinstance(each, wire.Frame)} == {"desk-test"}
 
 
-def test_a_recording_holds_the_frames_of_the_service(observer: PageObserver) -> None:
-    calls = RecordCalls("camera", CAMERA, observer)
+class Silent:
+    """A camera that shows nothing now."""
+
+    kind = "camera"
+    closed = False
+
+    def __init__(self, camera: Camera = CAMERA) -> None:
+        self.camera = camera
+
+    def read(self, timeout_s: float) -> Frame | None:
+        return None
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def test_a_recording_holds_the_frames_of_the_service_and_is_replayed_in_its_place(
+    observer: PageObserver,
+) -> None:
+    camera = Silent()
+    source = SwitchedSource(camera)  # type: ignore[arg-type]
+    step = ""
+    calls = RecordCalls(source, observer, lambda: step)
     path = Path(run(calls, "start-recording")["path"])
     with pytest.raises(UserError, match="runs already"):
         run(calls, "start-recording")
@@ -215,3 +239,24 @@ def test_a_recording_holds_the_frames_of_the_service(observer: PageObserver) -> 
     assert [each["path"] for each in run(calls, "recordings")["recordings"]] == [str(path)]
     with closing(Recording(path, realtime=False, loop=False)) as recording:
         assert [int(recording.read(1.0).depth[0, 0]) for _ in range(3)] == [500, 501, 502]  # type: ignore[union-attr]
+    step = "touch"
+    with pytest.raises(UserError, match="'touch' of the set-up runs"):
+        run(calls, "replay", name=path.name)
+    step = ""
+    for name in (str(path), f"../recordings/{path.name}", "", 7, None):
+        with pytest.raises(UserError, match="no such recording"):
+            run(calls, "replay", name=name)
+    run(calls, "replay", name=path.name)
+    seen = [source.read(1.0) for _ in range(5)]
+    assert [int(each.depth[0, 0]) for each in seen] == [500, 501, 502, 500, 501]  # type: ignore[union-attr]
+    assert (source.kind, run(calls, "recordings")["replayed"]) == ("recording", path.name)
+    with pytest.raises(UserError, match="stop the replay"):
+        run(calls, "start-recording")
+    run(calls, "stop-replay")
+    assert source.read(0.0) is None
+    assert (source.kind, run(calls, "recordings")["replayed"]) == ("camera", "")
+    other = SwitchedSource(Silent(replace(CAMERA, serial="another")))  # type: ignore[arg-type]
+    with pytest.raises(UserError, match="and the service uses another"):
+        run(RecordCalls(other, observer, str), "replay", name=path.name)
+    source.close()
+    assert camera.closed

@@ -7,6 +7,7 @@ import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from typing import Any
@@ -26,13 +27,19 @@ from halo_service.app.page.observer import PageObserver
 from halo_service.app.page.wizard.page_guide import PageGuide, Stopped
 from halo_service.app.page.wizard.page_screen import PageScreen
 from halo_service.app.page.wizard.requests import read_request
+from halo_service.app.page.wizard.watch import verify_touches
 from halo_service.app.page.wizard.wizard import Wizard
 from halo_service.app.service.profile_reloader import ProfileReloader
+from halo_service.app.verification.crossings import Grid
+from halo_service.app.verification.session import summary_lines, verify_record
+from halo_service.app.verification.verify import grid_of
 from halo_service.errors import UserError
+from halo_service.profile import Projector
 from halo_service.profile.store import exists, load, profile_path
 from halo_service.settings import Settings
 from halo_service.sources import EndOfSource
-from halo_service.values import Frame
+from halo_service.sources.switched import SwitchedSource
+from halo_service.values import Frame, TouchEvent, TouchFrame
 from halo_service.web.control_page.server import PageServer
 from halo_service.web.settings import PageSettings
 from tests.app.page.test_calls import Noted
@@ -194,11 +201,12 @@ def wait_until_done(wizard: Wizard) -> dict[str, Any]:
 
 
 def test_steps_use_the_running_camera_and_can_be_undone(server: PageServer) -> None:
+    source = SwitchedSource(Camera())  # type: ignore[arg-type]
     with (
         closing(PageObserver(Noted(), server, CAMERA, lambda: "good", dict)) as observer,
         closing(ProfileReloader(None, CAMERA, None)) as reloader,
         closing(
-            Wizard(Settings(), Camera(), observer, reloader, server, threading.Event())  # type: ignore[arg-type]
+            Wizard(Settings(), source, observer, reloader, server, threading.Event())
         ) as wizard,
     ):
         table = wizard.table()
@@ -219,7 +227,9 @@ def test_steps_use_the_running_camera_and_can_be_undone(server: PageServer) -> N
                 time.sleep(0.002)
             observer.watch(frame(n))
         state = wait_until_done(wizard)
-        assert state["verdict"]["good"] and "50 cm above the table" in state["verdict"]["text"]
+        assert state["verdict"]["good"] and "500 mm above the table" in state["verdict"]["text"]
+        assert state["verdict"]["map"][0] == 24 * "█"
+        assert state["steps"]["camera"]["quality"] == "good" and state["missing"][0] == "background"
         assert not exists(profile_path("wizard")) and observer.taps == set()
 
         from halo_service.profile.store import save
@@ -228,7 +238,9 @@ def test_steps_use_the_running_camera_and_can_be_undone(server: PageServer) -> N
         table["wizard-run"].run({"step": "surface", "width_mm": 180, "height_mm": 90})
         state = wait_until_done(wizard)
         assert state["verdict"]["good"], state["verdict"]
-        assert load(profile_path("wizard")).surface.width_mm == 180.0
+        changed = load(profile_path("wizard"))
+        assert changed.surface.width_mm == 180.0
+        assert set(changed.steps) == {"surface", "camera"}, "how the camera is placed is stored too"
         assert table["wizard-undo"].run({})["can_undo"] is False
         assert load(profile_path("wizard")).surface.width_mm == 200.0
         with pytest.raises(UserError, match="nothing to undo"):
@@ -236,6 +248,51 @@ def test_steps_use_the_running_camera_and_can_be_undone(server: PageServer) -> N
         for name in ("../desk", "", 7):
             with pytest.raises(UserError):
                 table["wizard-profile"].run({"name": name})
+
+
+class Dark:
+    """A projector that shows nothing."""
+
+    changes = True
+    size_px = 640, 400
+
+    def show(self, picture: Any) -> None:
+        """Nothing."""
+
+
+def test_a_verification_counts_the_touches_of_the_running_service_and_can_be_stopped(
+    server: PageServer,
+) -> None:
+    to_px = Projector(640, 400, np.diag([3.2, 4.0, 1.0]))
+    shown: list[dict[str, Any]] = []
+    stopped = threading.Event()
+    guide = PageGuide(shown.append, stopped)
+    with closing(PageObserver(Noted(), server, CAMERA, lambda: "good", dict)) as observer:
+        settings, screen = Settings(), Dark()
+
+        def verify() -> Grid:
+            known = replace(profile(), projector=to_px)
+            return verify_touches(known, Camera(), screen, guide, settings, observer)  # type: ignore[arg-type]
+
+        with ThreadPoolExecutor(1) as pool:
+            running = pool.submit(verify)
+            grid = grid_of(replace(profile(), projector=to_px), screen)
+            for n, (x_mm, y_mm) in enumerate(grid.places):
+                while not observer.touch_taps:
+                    time.sleep(0.002)
+                event = TouchEvent("down", n, 0, float(x_mm) + 1.0, float(y_mm), 0.0, 0.0, 1)
+                observer.frame(TouchFrame(n * 33_333, "table", 200.0, 100.0, (), (event,)))
+            verified = running.result(10.0)
+        assert shown[0]["prompt"].startswith("VERIFY") and shown[-1]["share"] <= 1.0
+        lines, good = summary_lines(verified, 5.0)
+        assert good and "median 1.0 mm, p95 1.0 mm" in lines[0]
+        record = verify_record(verified, "2026-01-01")
+        assert record is not None and record.figures["median_mm"] == 1.0
+        assert "1.0 mm off, 3.2 px" in shown[-1]["said"][-1]
+        stopped.set()
+        with pytest.raises(Stopped):
+            verify()
+        assert observer.touch_taps == set()
 
 
 # The projector's page.

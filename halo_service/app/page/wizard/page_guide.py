@@ -42,7 +42,7 @@ class PageGuide:
 
     def prompt(self, prompt: Prompt) -> None:
         """Show what to do now."""
-        self._check()
+        self.check()
         self._state |= {"prompt": prompt.words, "name": prompt.name, "phase": "", "map": []}
         self._total_s = 0.0
         self._publish()
@@ -51,13 +51,13 @@ class PageGuide:
 
     def say(self, words: str) -> None:
         """Show a result."""
-        self._check()
+        self.check()
         self._state["said"] = [*self._state["said"], words][-MOST_SAID:]
         self._publish()
 
     def live(self, seconds_left: float, measuring: bool, seen: Observation | str | None) -> None:
         """Show the count-down, and the signal or what else is seen."""
-        self._check()
+        self.check()
         phase = "measure" if measuring else "ready"
         if phase != self._state["phase"]:
             self._total_s = seconds_left
@@ -75,6 +75,18 @@ class PageGuide:
         if time.monotonic() - self._shown_s >= EVERY_S:
             self._publish()
 
+    def explain(self, words: str) -> None:
+        """Show what to do, without a prompt that a virtual user follows."""
+        self._state |= {"prompt": words, "phase": ""}
+        self._publish()
+
+    def count(self, done: int, total: int, words: str) -> None:
+        """Show how much is done, for a step without a count-down."""
+        self.check()
+        self._state |= {"phase": "count", "share": round(done / max(total, 1), 3), "seen": words}
+        if time.monotonic() - self._shown_s >= EVERY_S:
+            self._publish()
+
     def map(self, lines: list[str]) -> None:
         """Set what of the surface is covered; `live` shows it."""
         self._state["map"] = lines
@@ -83,6 +95,7 @@ class PageGuide:
         self._shown_s = time.monotonic()
         self._show(dict(self._state))
 
-    def _check(self) -> None:
+    def check(self) -> None:
+        """Raise `Stopped` where the user stopped the step."""
         if self._stopped.is_set():
             raise Stopped("stopped")

@@ -13,6 +13,7 @@ from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.sensing import State
 from halo_service.sources import Exposing, Source
+from halo_service.sources.switched import SwitchedSource
 from halo_service.virtual.live import VirtualKinect
 
 
@@ -26,9 +27,12 @@ class ExposingTap(FrameTap):
 
 @contextmanager
 def wizard_source(
-    live: Source, observer: PageObserver, paused: threading.Event, step: str
+    switched: SwitchedSource, observer: PageObserver, paused: threading.Event, step: str
 ) -> Iterator[Source]:
-    """Yield the frames for one step. `live`: the source of the service."""
+    """Yield the frames for one step. `switched`: the source of the service. Raises `UserError`."""
+    if switched.shown is not None:
+        raise UserError("a recording is replayed: stop the replay in Record first")
+    live = switched.source
     if isinstance(live, VirtualKinect):
         # Printed boards need the full colour picture; hands are found in a smaller one.
         with _paused(paused):

@@ -70,8 +70,10 @@ function showState() {
   document.getElementById("node").textContent = hello?.node ?? "";
   const texts = [];
   if (lost) texts.push("The service does not answer. This page connects again by itself when it runs.");
-  else if (hello?.source === "virtual") texts.push("Virtual camera: all touches are simulated.");
-  else if (hello?.source === "recording") texts.push("A recording is shown, not a camera.");
+  else if (service.source === "virtual") texts.push("Virtual camera: all touches are simulated.");
+  else if (service.last.scene?.recording) {
+    texts.push(`The recording ${service.last.scene.recording} is replayed, not the camera. Stop it in Record.`);
+  } else if (service.source === "recording") texts.push("A recording is replayed, not a camera.");
   if (!lost && hello?.role === "viewer") texts.push("You may look, but not change anything.");
   if (!lost && ["moved", "tilted", "hidden", "marker"].includes(health?.fit)) {
     texts.push(`The profile no longer fits (${health.fit}): measure the background again in Set up.`);
@@ -80,6 +82,6 @@ function showState() {
   notice.hidden = texts.length === 0;
 }
 
-for (const kind of ["connection", "hello", "health"]) service.on(kind, showState);
+for (const kind of ["connection", "hello", "health", "scene"]) service.on(kind, showState);
 addEventListener("hashchange", open);
 open();

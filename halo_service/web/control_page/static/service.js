@@ -70,6 +70,11 @@ export class Service extends EventTarget {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(value));
   }
 
+  // Where the frames come from now: camera, virtual or recording.
+  get source() {
+    return this.last.scene?.source ?? "";
+  }
+
   get operator() {
     return this.last.hello?.role !== "viewer";
   }

@@ -2,46 +2,47 @@
 
 import { card, el } from "../dom.js";
 
+const CALIBRATED = { complete: "complete", partial: "not complete yet: open Set up" };
+
 export function mount(root, service) {
   const about = el("div");
   root.append(
-    el("h1", {}, "A table that feels touch"),
+    el("h1", {}, "Touch on any table"),
     about,
     el(
       "div",
       { className: "cards" },
       card(
         "1. Connect your program",
-        el("p", {}, "Unity, TouchDesigner, Max, Pure Data, a browser or your own code gets the touches by OSC, TUIO, WebSocket or Zenoh."),
+        el("p", {}, "Unity, TouchDesigner, Max, Pure Data, a browser or your own code receives the touches by OSC, TUIO, WebSocket or Zenoh."),
         el("p", {}, "Send a test pattern first: a pointer that draws a circle."),
         el("a", { className: "button", href: "#outputs" }, "Open Outputs"),
       ),
       card(
         "2. Try it without a camera",
-        el("p", {}, "Without a camera the service simulates one, with a hand that touches and hovers. Everything on this page works with it."),
+        el("p", {}, "Without a camera the service simulates one, with a hand that touches and hovers. Everything on this page works with it, Set up too."),
         el("a", { className: "button", href: "#live" }, "Open Live"),
       ),
       card(
         "3. Set up your camera",
-        el("p", {}, "Mount an Azure Kinect 40 to 70 cm above the table, looking down. Set up measures the table and your finger, step by step."),
+        el("p", {}, "Mount an Azure Kinect 45 to 70 cm above the table. It looks down. Set up measures the table and your finger, step by step, in about five minutes."),
         el("a", { className: "button", href: "#setup" }, "Open Set up"),
       ),
     ),
   );
   const show = () => {
     const { hello, scene } = service.last;
-    if (!hello) return;
+    if (!hello || !scene) return;
     const words = {
-      virtual: "No camera is used now. A virtual camera shows a simulated hand above a simulated table, with the noise of the real sensor. Touches that you see are not real ones.",
+      virtual: "No camera is used now. A virtual camera shows a simulated hand above a simulated table, with the noise of the real sensor. The touches are not real.",
       camera: `The camera ${hello.serial} is used.`,
-      recording: "A recording is used in place of a camera.",
+      recording: "A recording is replayed instead of a camera.",
     };
-    const profile = !scene
-      ? ""
-      : scene.profile
-        ? ` The profile '${scene.profile}' is ${scene.calibrated}.`
-        : " There is no profile yet, so no touch is found: open Set up.";
-    about.replaceChildren(card("Now", el("p", {}, words[hello.source] + profile)));
+    const own = scene.profile === "virtual" && scene.source === "virtual" ? " (the service made it for the virtual table)" : "";
+    const profile = scene.profile
+      ? `The service uses the profile '${scene.profile}'${own}. Its calibration is ${CALIBRATED[scene.calibrated]}.`
+      : "There is no profile yet, so no touch is found: open Set up.";
+    about.replaceChildren(card("Now", el("p", {}, words[scene.source]), el("p", {}, profile)));
   };
   show();
   try {

@@ -7,7 +7,7 @@ const MOST = 300;
 export class Guide {
   constructor() {
     this.words = el("p", { className: "prompt", role: "status" });
-    this.ring = el("canvas", { className: "ring", role: "img", "aria-label": "Time left" });
+    this.ring = el("canvas", { className: "ring", role: "img", "aria-label": "How much of the step is done" });
     this.left = el("p", {});
     this.signal = el("canvas", { role: "img", "aria-label": "Strength of the halo around the finger" });
     this.seen = el("p", { className: "soft" });
@@ -27,7 +27,7 @@ export class Guide {
 
   clear() {
     this.past = [];
-    this.words.textContent = "Starting.";
+    this.words.textContent = "Starting: the camera and the hand tracker need a few seconds.";
     for (const part of [this.left, this.seen, this.map, this.said]) part.textContent = "";
     this.map.hidden = this.signal.hidden = true;
     this.drawRing({ share: 0 });
@@ -36,7 +36,7 @@ export class Guide {
   show(guide) {
     if (this.words.textContent !== guide.prompt && guide.prompt) this.words.textContent = guide.prompt;
     const phase = { ready: "Get ready", measure: "Hold" }[guide.phase] ?? "";
-    this.left.textContent = phase ? `${phase}: ${guide.left_s.toFixed(1)} s` : "";
+    this.left.textContent = guide.phase === "count" ? `${Math.round(100 * guide.share)} % done` : phase ? `${phase}: ${guide.left_s.toFixed(1)} s` : "";
     this.seen.textContent = guide.seen;
     this.map.hidden = guide.map.length === 0;
     this.map.textContent = guide.map.join("\n");

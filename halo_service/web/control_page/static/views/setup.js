@@ -5,23 +5,28 @@ import { CornerPicture } from "./setup-corners.js";
 import { Guide } from "./setup-guide.js";
 
 const STEPS = {
-  camera: "Where it is, what it measures, how bright it is. Nothing is stored.",
-  background: "The empty surface. Clear it, and keep hands away.",
-  surface: "Where your area is on the table. It is put in the middle of the picture; choose another way to place it yourself. 'halo targets' writes the sheet to print.",
-  touch: "Hold your index finger in each state that is asked for, still, for a few seconds.",
-  sweep: "Put the finger on the printed 45 degree wedge (calibration/targets), and slide both over the whole surface, for even touches everywhere.",
-  projector: "Where its pixels are on the surface. Skip it without a projector.",
-  anchor: "A printed marker that a headset sees too; 'halo targets' writes it. Skip it without a headset.",
-  verify: "Touch each projected crossing, and see the errors in mm and px. It needs the projector.",
+  camera: "Checks the camera: its height and tilt, what it measures, too bright or too dark. Clear the table first.",
+  background: "Measures the empty table. Clear it, and take your hands away.",
+  surface: "Your area on the table. The background step puts it in the middle of the picture. Do this step only if you want another place or size.",
+  touch: "Measures your index finger. Hold it still in each of four states, a few seconds each: above the table, nearly touching, touching, pressing.",
+  sweep: "Makes touches equal everywhere. Put the finger on the printed 45 degree wedge, and slide both over the whole area for 20 seconds.",
+  projector: "Finds where the projector's pixels are on the table. Skip it if you have no projector.",
+  anchor: "Finds a printed marker that a headset sees too. Skip it if you have no headset.",
+  verify: "Checks touches: touch each crossing that the projector shows, and see the errors in mm and px. It needs the projector step.",
 };
-const OPTIONAL = ["projector", "anchor", "verify"];
+const OPTIONAL = ["surface", "projector", "anchor", "verify"];
+const PRINTED = {
+  surface: "Only the way 'printed sheet' needs a print: the command 'halo targets FOLDER' writes it.",
+  sweep: "The wedge is a small ramp for a 3D printer: calibration/targets/wedge.scad in the source folder.",
+  anchor: "The command 'halo targets FOLDER' writes the marker to print.",
+};
 const WAYS = {
   surface: [["view", "in the middle of the picture"], ["picture", "drag four corners in the picture"], ["markers", "printed sheet"], ["touch", "touch the corners"]],
   projector: [["markers", "projected board"], ["gray", "stripes (most exact)"], ["touch", "touch crosses"]],
 };
 const NUMBERS = {
   surface: [["width_mm", "width, mm", 300], ["height_mm", "height, mm", 200]],
-  touch: [["hover_mm", "height of the hover spacer, mm", ""], ["subtle_mm", "height of the subtle spacer, mm", ""], ["touch_g", "relaxed touch, g", ""], ["press_g", "press on a kitchen scale, g", ""], ["hard_g", "hold a hard press too, g", ""]],
+  touch: [["hover_mm", "height of the hover spacer, mm", ""], ["subtle_mm", "height of the subtle spacer, mm", ""], ["touch_g", "weight of a relaxed touch, g", ""], ["press_g", "weight of a medium press, g", ""], ["hard_g", "weight of a hard press, g (adds a fifth state)", ""]],
   anchor: [["marker", "number of the marker", 0], ["size_mm", "side of its black square, mm", ""]],
 };
 
@@ -37,20 +42,33 @@ export function mount(root, service) {
   let state = null;
 
   for (const [step, words] of Object.entries(STEPS)) {
-    const row = new StepRow(step, words, service, corners, () => state);
+    const row = new StepRow(step, words, service, corners, () => state, async () => {
+      if (name.value.trim() !== state?.profile) await use(name.value.trim());
+    });
     rows.set(step, row);
     list.append(row.element);
   }
 
+  const use = async (chosen) => show(await service.call("wizard-profile", { name: chosen }));
+  const everyStart = async () => {
+    await service.call("change-settings", { changes: [{ section: "", key: "profile", value: state.profile }] });
+    toast(`Saved: the service uses '${state.profile}' at every start.`);
+    show(await service.call("wizard"));
+  };
   const show = (value) => {
     state = value;
     if (document.activeElement !== name) name.value = value.profile;
     about.replaceChildren(
       value.error ? el("p", { className: "bad" }, value.error) : "",
       value.virtual
-        ? el("p", {}, "There is no camera, so a virtual user follows the prompts. You see what a person would do, and how long it takes.")
+        ? el("p", {}, "There is no camera. A virtual user does what each step asks for: press Start and watch.")
         : "",
-      el("p", {}, value.missing.length ? `Still missing: ${value.missing.join(", ")}.` : "✓ The calibration is complete."),
+      el("p", {}, status(value)),
+      value.missing.length ? el("p", {}, `Still missing: ${value.missing.join(", ")}.`) : el("p", {}, "✓ The calibration is complete."),
+      value.missing.length === 0 && service.operator
+        ? el("div", { className: "row" }, el("a", { className: "button", href: "#live" }, "See touches in Live"),
+          value.at_start === value.profile ? el("span", { className: "soft" }, "The service uses it at every start.") : button("Use it at every start", everyStart))
+        : "",
     );
     running.replaceChildren(
       value.running
@@ -60,7 +78,9 @@ export function mount(root, service) {
     );
     verdict.replaceChildren(
       value.verdict && !value.running
-        ? card("", el("p", { className: `prompt ${value.verdict.good ? "good" : "bad"}` }, `${value.verdict.good ? "✓" : "✕"} ${value.verdict.step}`), ...value.verdict.text.split("\n").map((line) => el("p", {}, line)))
+        ? card("", el("p", { className: `prompt ${value.verdict.good ? "good" : "bad"}` }, `${value.verdict.good ? "✓" : "✕"} ${value.verdict.step}`),
+          ...value.verdict.text.split("\n").map((line) => el("p", {}, line)),
+          value.verdict.map.length ? el("pre", { className: "map", role: "img", "aria-label": "What of the picture is measured" }, value.verdict.map.join("\n")) : "")
         : "",
       value.can_undo && service.operator
         ? el("p", {}, button("Undo the last step", async () => show(await service.call("wizard-undo"))))
@@ -75,7 +95,8 @@ export function mount(root, service) {
     card(
       "Profile",
       el("div", { className: "row" }, el("label", { htmlFor: "profile-name" }, "Name"), name,
-        service.operator ? button("Use this name", async () => show(await service.call("wizard-profile", { name: name.value.trim() }))) : ""),
+        service.operator ? button("Use this name", () => use(name.value.trim())) : ""),
+      el("p", { className: "soft" }, "A profile stores what the steps measure: one camera, one table, one finger. The name is yours to choose."),
       about,
     ),
     running,
@@ -94,19 +115,36 @@ export function mount(root, service) {
 
 const title = (step) => `${Object.keys(STEPS).indexOf(step) + 1}. ${step[0].toUpperCase()}${step.slice(1)}`;
 
+function status({ profile, exists, in_use }) {
+  if (in_use === profile) return `The service uses the profile '${profile}'.`;
+  const other = in_use ? `The service uses the profile '${in_use}' now.` : "The service uses no profile now, so it finds no touches.";
+  return exists
+    ? `${other} '${profile}' is another one; the service changes to it after the next step, or in Profiles.`
+    : `${other} '${profile}' does not exist yet: the background step makes it, and the service then uses it.`;
+}
+
+const when = (date) => new Date(date).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+
+function result({ quality, text, date, by_background, outdated }) {
+  if (by_background) return `◦ ${text}`;
+  const mark = outdated ? "! done before a later step, so do it again" : quality === "good" ? "✓ good" : "◐ fair";
+  return `${mark}, ${when(date)}. ${text}`;
+}
+
 class StepRow {
-  constructor(step, words, service, corners, state) {
-    Object.assign(this, { step, service, corners });
+  constructor(step, words, service, corners, state, ready) {
+    Object.assign(this, { step, service, corners, ready });
     this.result = el("p", { className: "small" });
     this.extra = el("div");
     this.inputs = new Map();
     const optional = OPTIONAL.includes(step) ? el("span", { className: "soft" }, " (optional)") : "";
-    this.start = button("Start", () => this.run(), { className: "main", "aria-label": `Start ${step}`, off: () => Boolean(state()?.running) });
+    this.start = button("Start", () => this.run(), { "aria-label": `Start ${step}`, off: () => Boolean(state()?.running) });
     this.element = el(
       "li",
       {},
       el("h3", {}, title(step), optional),
       el("p", { className: "soft" }, words),
+      PRINTED[step] ? el("p", { className: "soft small" }, PRINTED[step]) : "",
       this.options(),
       this.extra,
       el("div", { className: "row" }, service.operator ? this.start : ""),
@@ -115,7 +153,7 @@ class StepRow {
     if (step === "projector" || step === "verify") {
       this.screen = el("p", { className: "small" });
       this.extra.append(
-        el("p", {}, el("a", { className: "button", href: "/projector.html", target: "_blank", rel: "noopener" }, "Open the projector page"), " on the projector's screen, and make it full screen."),
+        el("p", {}, el("a", { className: "button", href: "/projector.html", target: "_blank", rel: "noopener" }, "Open the projector page"), " Move it to the projector's screen, and make it full screen."),
         this.screen,
       );
     }
@@ -136,7 +174,8 @@ class StepRow {
     });
     if (numbers.length === 0) return parts;
     if (this.step === "touch") {
-      return [el("details", {}, el("summary", {}, "What you measured (for heights and forces in mm and g)"), numbers)];
+      const words = "With spacers under the finger and a kitchen scale, heights and forces become exact. Without them the service assumes 10 mm, 1 mm and 25 g.";
+      return [el("details", {}, el("summary", {}, "I have spacers or a kitchen scale"), el("p", { className: "soft" }, words), numbers)];
     }
     return [...parts, ...numbers];
   }
@@ -159,15 +198,17 @@ class StepRow {
       if (input.value !== "") request[key] = Number(input.value);
     }
     if (request.by === "picture") request.corners_px = this.corners.corners();
+    await this.ready();
     this.service.value(await this.service.call("wizard-run", request));
     document.getElementById("running").scrollIntoView({ behavior: "smooth" });
   }
 
   show(state) {
-    const quality = state.qualities[this.step];
-    const mark = { good: "✓ ", fair: "◐ " }[quality] ?? "";
-    this.result.textContent = state.steps[this.step] ? mark + state.steps[this.step] : "";
-    this.start.textContent = quality ? "Do it again" : "Start";
+    const found = state.steps[this.step];
+    this.result.textContent = found ? result(found) : "";
+    this.start.textContent = found && !found.by_background ? "Do it again" : "Start";
+    const next = found ? null : Object.keys(STEPS).find((step) => !state.steps[step] && !OPTIONAL.includes(step));
+    this.start.classList.toggle("main", next === this.step);
     this.start.disabled = Boolean(state.running);
     if (this.screen) {
       this.screen.textContent = state.screen

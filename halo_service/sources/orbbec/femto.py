@@ -1,7 +1,7 @@
 """A live Femto Bolt or Femto Mega: a `Source`.
 
-Rule: the device is configured in `_configure` alone. It gives depth, infrared and colour 720p as its
-own JPEG, 30 fps, and only captures that have all three.
+Rule: the device is configured in `_configure` alone. It gives depth, infrared and colour 720p as
+its own JPEG, 30 fps, and only captures that have all three.
 """
 
 from __future__ import annotations

@@ -39,5 +39,5 @@ class Settings:
     """Strike speed of the softest note."""
     loud_mm_s: float = LOUD_MM_S
     """Strike speed of velocity 127."""
-    full_pressure: float = 1.5
+    full_pressure: float = 2.0
     """Pressure of value 127; 1 is the calibrated medium press."""

@@ -46,7 +46,7 @@ def tap(wire: Any, at: tuple[float, float] = C, **down: Any) -> TouchFrame:
 def test_a_strike_is_bend_slide_pressure_and_then_the_note_at_its_time(wire: Any) -> None:
     frame = tap(wire)
     sent = play([frame])
-    assert texts(sent)[:4] == ["bend 0", "cc74 32", "press 64", "on 48"]
+    assert texts(sent)[:4] == ["bend 0", "cc74 32", "press 48", "on 48"]
     assert {each.time_us for each in sent[:4]} == {frame.time_us - 12_000}
     assert {each.message.channel for each in sent[:4]} == {1}
 
@@ -79,7 +79,7 @@ def test_a_finger_that_moves_bends_slides_and_presses(wire: Any) -> None:
     frames = [tap(wire), wire.frame(4, [wire.finger(at=moved, pressure=1.5)])]
     sent = [each for each in play(frames) if each.time_us == frames[1].time_us]
     semitone = round(8192 / 48)
-    assert texts(sent)[:3] == [f"bend {semitone}", "cc74 95", "press 127"]
+    assert texts(sent)[:3] == [f"bend {semitone}", "cc74 95", "press 95"]
 
 
 def test_a_value_that_stays_is_not_sent_again(wire: Any) -> None:

@@ -15,10 +15,14 @@ import pytest
 from halo_protocol import Frame, encode_frame
 
 CLIENTS = Path(__file__).parents[3] / "clients"
-NO_DEVICE = ("48_000, 20)", "48_000, 20, backends=[miniaudio.Backend.NULL])")
+WITHOUT_DEVICES = {
+    "48_000, 20)": "48_000, 20, backends=[miniaudio.Backend.NULL])",
+    'mido.open_output("my table", virtual=True)': "mido.ports.EchoPort()",
+    "127.0.0.1:4256": "127.0.0.1:{port}",
+}
 
 
-@pytest.mark.parametrize("client", ["drums", "paint", "type"])
+@pytest.mark.parametrize("client", ["drums", "midi", "paint", "type"])
 def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) -> None:
     text = (CLIENTS / client / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]
@@ -27,7 +31,9 @@ def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) 
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     path = tmp_path / "program.py"
-    path.write_text(program.replace("127.0.0.1:4256", f"127.0.0.1:{port}").replace(*NO_DEVICE))
+    for device, substitute in WITHOUT_DEVICES.items():
+        program = program.replace(device, substitute.format(port=port))
+    path.write_text(program)
     env = os.environ | {"SDL_VIDEODRIVER": "dummy"}
     with (
         subprocess.Popen([sys.executable, path], stderr=subprocess.PIPE, text=True, env=env) as run,

@@ -2,8 +2,9 @@
 
     uv run python docs/client_pictures.py [FOLDER]
 
-Writes clients/paint/painting.svg and clients/drums/session.svg; with a folder, also the streams
-and the sound in it. Takes a few minutes; the same code gives the same pictures.
+Writes painting.svg, session.svg and three animated.svg into the folders of the clients; with a
+folder, also the streams and the sound in it. Takes a few minutes; the same code gives the same
+pictures.
 """
 
 from __future__ import annotations
@@ -26,10 +27,13 @@ from matplotlib.axes import Axes
 import halo_client
 from halo_client import FileSource
 from halo_client.picture import HEIGHT_MM, WIDTH_MM
+from halo_drums.animated import to_svg as animated_drumming
 from halo_drums.kit import KIT
+from halo_drums.kit import Settings as DrumSettings
 from halo_drums.player import Hit, Player, Shape
 from halo_drums.render import render, write_wav
 from halo_drums.voices import RATE
+from halo_paint.animated import to_svg as animated_painting
 from halo_paint.painter import Painter
 from halo_paint.render import painted, save
 from halo_protocol import TouchFrame
@@ -43,10 +47,16 @@ from halo_service.sources import EndOfSource
 from halo_service.values import Frame
 from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.sim_url import parse_sim_url
+from halo_type.animated import to_svg as animated_typing
+from halo_type.layout import load_layout
+from halo_type.phrases import PHRASES, in_order_of_seed
+from halo_type.typist import Trial, Typist
 
 CLIENTS = Path(__file__).parents[1] / "clients"
-PAINTING, DRUMMING = "sim:painting?seed=3", "sim:drumming?seed=3"
-PAINTING_S, DRUMMING_S = 14.0, 7.5
+PAINTING, DRUMMING, TYPING = "sim:painting?seed=3", "sim:drumming?seed=3", "sim:typing?seed=3"
+PAINTING_S, DRUMMING_S, TYPING_S = 14.0, 7.5, 37.0
+TYPING_SEED, PAUSE_S = 3, 1.6
+"""The seed of the virtual typist gives the phrases; it presses no key between two of them."""
 DARK, LIGHT = "#0e0e12", "#e8e8ee"
 TALLEST = 300.0
 """Area of the loudest hit's dot, in points."""
@@ -131,11 +141,23 @@ def dress(axis: Axes) -> None:
 
 
 def main(folder: Path) -> None:
-    """Draw both pictures."""
+    """Draw all pictures."""
     mpl.rcParams["svg.hashsalt"] = "halo"  # the same bytes on every run
-    strokes = painted(sensed(PAINTING, PAINTING_S, folder / "painting.jsonl"), Painter(vary=True))
+    painting = sensed(PAINTING, PAINTING_S, folder / "painting.jsonl")
+    strokes = painted(painting, Painter(vary=True))
     save(CLIENTS / "paint" / "painting.svg", strokes, WIDTH_MM, HEIGHT_MM)
-    draw_session(sensed(DRUMMING, DRUMMING_S, folder / "drumming.jsonl"), folder)
+    drumming = sensed(DRUMMING, DRUMMING_S, folder / "drumming.jsonl")
+    draw_session(drumming, folder)
+    typing = sensed(TYPING, TYPING_S, folder / "typing.jsonl")
+    phrases = in_order_of_seed(PHRASES, TYPING_SEED)
+    trials = [Trial("balanced", number + 1, phrase) for number, phrase in enumerate(phrases)]
+    typist = Typist(load_layout("qwerty"), trials, pause_s=PAUSE_S)
+    for client, text in (
+        ("paint", animated_painting(painting, Painter(vary=True), WIDTH_MM, HEIGHT_MM)),
+        ("drums", animated_drumming(drumming, KIT, DrumSettings())),
+        ("type", animated_typing(typing, typist)),
+    ):
+        (CLIENTS / client / "animated.svg").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

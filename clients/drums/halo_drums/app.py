@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
+from halo_client.files import appearing
 from halo_drums.bank import make_bank
 from halo_drums.errors import SoundError
 from halo_drums.kit import KIT, Pad, Settings, mirrored
@@ -61,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     kit = mirrored(KIT) if options.left_handed else KIT
     settings = Settings(low_mm=options.low, high_mm=options.high)
     try:
-        if options.render or options.picture:
+        if options.render or options.picture or options.animate:
             return _render(options, kit, settings)
         return _play(options, kit, settings)
     except (ClientError, SoundError, MidiError, StageError, OSError) as error:
@@ -109,6 +110,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="OUT.png",
         help="write the loudest moment of --from FILE.jsonl",
     )
+    parser.add_argument(
+        "--animate",
+        type=Path,
+        metavar="OUT.svg",
+        help="write --from FILE.jsonl as a picture that moves, for a web page",
+    )
     return parser
 
 
@@ -117,7 +124,9 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
 
     source = halo_client.parse_source(options.source)
     if not isinstance(source, FileSource):
-        raise ClientError("--render and --picture need a recorded stream: --from FILE.jsonl")
+        raise ClientError(
+            "--render, --picture and --animate need a recorded stream: --from FILE.jsonl"
+        )
     frames = list(halo_client.frames(FileSource(source.path, paced=False)))
     if options.render:
         write_wav(options.render, render(frames, kit, settings))
@@ -129,6 +138,12 @@ def _render(options: argparse.Namespace, kit: tuple[Pad, ...], settings: Setting
         gestures = [gesture for frame in frames for gesture in player.process(frame)]
         write_picture(options.picture, kit, gestures)
         print(f"{NAME}: wrote {options.picture}")
+    if options.animate:
+        from halo_drums.animated import to_svg
+
+        with appearing(options.animate) as file:
+            file.write(to_svg(frames, kit, settings).encode())
+        print(f"{NAME}: wrote {options.animate}")
     return 0
 
 

@@ -17,7 +17,9 @@ import pygame
 
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
+from halo_client.files import appearing
 from halo_client.picture import HEIGHT_MM, WIDTH_MM
+from halo_paint.animated import to_svg
 from halo_paint.brushes import BRUSHES
 from halo_paint.painter import Change, Painter
 from halo_paint.render import KINDS, painted, save
@@ -48,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     brush = next(each for each in BRUSHES if each.name == options.brush)
     painter = Painter(brush=brush, vary=options.vary)
     try:
-        if options.render:
+        if options.render or options.animate:
             return _render(options, painter)
         with ExitStack() as stack:
             receiver = stack.enter_context(halo_client.connect(options.source))
@@ -152,8 +154,15 @@ def _parser() -> argparse.ArgumentParser:
         "--render",
         type=Path,
         action="append",
+        default=[],
         metavar="OUT",
         help="write the picture of --from FILE.jsonl, .png or .svg; may be repeated",
+    )
+    parser.add_argument(
+        "--animate",
+        type=Path,
+        metavar="OUT.svg",
+        help="write --from FILE.jsonl as a picture that paints itself, for a web page",
     )
     return parser
 
@@ -161,11 +170,19 @@ def _parser() -> argparse.ArgumentParser:
 def _render(options: argparse.Namespace, painter: Painter) -> int:
     source = halo_client.parse_source(options.source)
     if not isinstance(source, FileSource):
-        raise ClientError("--render needs a recorded stream: --from FILE.jsonl")
+        option = "--render" if options.render else "--animate"
+        raise ClientError(f"{option} needs a recorded stream: --from FILE.jsonl")
     for path in options.render:
         if path.suffix.lower() not in KINDS:
             raise ClientError(f"{path} is neither a {' nor a '.join(KINDS)}")
-    strokes = painted(halo_client.frames(FileSource(source.path, paced=False)), painter)
+    frames = halo_client.frames(FileSource(source.path, paced=False))
+    if options.animate:
+        with appearing(options.animate) as file:
+            file.write(to_svg(list(frames), painter, WIDTH_MM, HEIGHT_MM).encode())
+        print(f"{NAME}: wrote {options.animate}")
+        strokes = painter.strokes
+    else:
+        strokes = painted(frames, painter)
     for path in options.render:
         save(path, strokes, WIDTH_MM, HEIGHT_MM)
         print(f"{NAME}: wrote {path}")

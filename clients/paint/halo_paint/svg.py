@@ -37,11 +37,12 @@ def to_svg(
     ]
     for number, stroke in enumerate(strokes):
         if stroke.pieces:
-            lines += _stroke(stroke, number)
+            lines += stroke_lines(stroke, number)
     return "\n".join([*lines, "</svg>", ""])
 
 
-def _stroke(stroke: Stroke, number: int) -> Iterator[str]:
+def stroke_lines(stroke: Stroke, number: int) -> Iterator[str]:
+    """Return the lines of one stroke; its number names its mask."""
     piece = _visible(_thinned(whole(stroke)))
     reach = float(piece.radius.max()) + 1.0
     left, top = float(piece.x.min()) - reach, float(piece.y.min()) - reach

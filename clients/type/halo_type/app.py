@@ -20,10 +20,12 @@ import numpy as np
 
 import halo_client
 from halo_client import ClientError, FileSource, Receiver
+from halo_client.files import appearing
 from halo_drums.errors import SoundError
 from halo_drums.mixer import Mixer
 from halo_drums.speakers import Speakers
 from halo_protocol import Pointer, TouchFrame
+from halo_type.animated import to_svg
 from halo_type.layout import LAYOUTS, Layout, LayoutError, load_layout
 from halo_type.phrases import PHRASES, PhrasesError, in_order_of_seed, read_phrases
 from halo_type.results import summary, write_results
@@ -64,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         typist = Typist(
             layout, _trials(options, layout), pause_s=options.pause, rectangles=options.rectangles
         )
-        if options.render:
+        if options.render or options.animate:
             return _render(options, typist)
         path = options.results or Path(time.strftime("typing-%Y%m%d-%H%M%S.csv"))
         if path.exists():
@@ -156,12 +158,18 @@ def _run(options: argparse.Namespace, typist: Typist, path: Path) -> int:
 def _render(options: argparse.Namespace, typist: Typist) -> int:
     source = halo_client.parse_source(options.source)
     if not isinstance(source, FileSource):
-        raise ClientError("--render needs a recorded stream: --from FILE.jsonl")
-    for frame in halo_client.frames(FileSource(source.path, paced=False)):
-        typist.process(frame)
+        option = "--render" if options.render else "--animate"
+        raise ClientError(f"{option} needs a recorded stream: --from FILE.jsonl")
+    frames = list(halo_client.frames(FileSource(source.path, paced=False)))
+    text = to_svg(frames, typist)
     typist.finish()
-    write_results(options.render, typist.results, options.participant)
-    print("\n".join([*summary(typist.results), f"{NAME}: wrote {options.render}"]))
+    if options.animate:
+        with appearing(options.animate) as file:
+            file.write(text.encode())
+        print(f"{NAME}: wrote {options.animate}")
+    if options.render:
+        write_results(options.render, typist.results, options.participant)
+        print("\n".join([*summary(typist.results), f"{NAME}: wrote {options.render}"]))
     return 0
 
 
@@ -230,6 +238,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--render", type=Path, metavar="OUT.csv", help="write the results of --from FILE.jsonl"
+    )
+    parser.add_argument(
+        "--animate",
+        type=Path,
+        metavar="OUT.svg",
+        help="write --from FILE.jsonl as a picture that types itself, for a web page",
     )
     return parser
 

@@ -202,6 +202,9 @@ def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], messag
         ("halo-paint", "--render", "it.svg"),
         ("halo-paint", "--render", "it.png"),
         ("halo-type", "--render", "it.csv"),
+        ("halo-type", "--animate", "it.svg"),
+        ("halo-paint", "--animate", "it.svg"),
+        ("halo-drums", "--animate", "it.svg"),
     ],
 )
 def test_a_file_is_written_and_named_and_a_missing_folder_gives_one_sentence(

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_client.files import appearing
 from halo_drums.bank import make_bank
 from halo_drums.kit import KIT, Pad, Settings
 from halo_drums.mixer import BLOCK, Mixer
@@ -55,7 +56,7 @@ def render(
 def write_wav(path: Path, sound: NDArray[np.float32]) -> None:
     """Write a WAV file, 16 bits, stereo. Raises `OSError`."""
     # Not wave.open(path): it prints a traceback of its own if the path cannot be opened.
-    with path.open("wb") as raw, wave.open(raw, "wb") as file:
+    with appearing(path) as raw, wave.open(raw, "wb") as file:
         file.setnchannels(2)
         file.setsampwidth(2)
         file.setframerate(RATE)

@@ -14,6 +14,7 @@ from pathlib import Path
 import pygame
 
 from halo_client import PictureTransform
+from halo_client.files import appearing
 from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_drums.kit import Pad
 from halo_drums.player import Gesture, Hit, Shape
@@ -140,5 +141,5 @@ def write_picture(path: Path, kit: tuple[Pad, ...], gestures: Sequence[Gesture])
     screen = pygame.Surface((1200, 800))
     placing = PictureTransform.fitted(*screen.get_size(), WIDTH_MM, HEIGHT_MM, margin=24.0)
     view.draw(screen, Placed(placing, WIDTH_MM, HEIGHT_MM), moment_us / 1e6)
-    with path.open("wb") as file:
+    with appearing(path) as file:
         pygame.image.save(screen, file, "x.png")

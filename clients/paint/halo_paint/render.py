@@ -11,6 +11,7 @@ from pathlib import Path
 import pygame
 
 from halo_client import PictureTransform
+from halo_client.files import appearing
 from halo_paint.brushes import PAPER
 from halo_paint.canvas import Canvas, Pixels
 from halo_paint.painter import Painter
@@ -44,7 +45,8 @@ def to_pixels(
 def save(path: Path, strokes: Sequence[Stroke], width_mm: float, height_mm: float) -> None:
     """Write a PNG or SVG, by the file's suffix. Raises `OSError`, `ValueError`."""
     if path.suffix.lower() == ".svg":
-        path.write_text(to_svg(strokes, width_mm, height_mm, PAPER), encoding="utf-8")
+        with appearing(path) as file:
+            file.write(to_svg(strokes, width_mm, height_mm, PAPER).encode())
     elif path.suffix.lower() == ".png":
         write_png(path, to_pixels(strokes, width_mm, height_mm))
     else:
@@ -54,5 +56,5 @@ def save(path: Path, strokes: Sequence[Stroke], width_mm: float, height_mm: floa
 def write_png(path: Path, pixels: Pixels) -> None:
     """Write (H, W, 3) pixels as PNG. Raises `OSError`."""
     picture = pygame.image.frombuffer(pixels.tobytes(), pixels.shape[1::-1], "RGB")
-    with path.open("wb") as file:
+    with appearing(path) as file:
         pygame.image.save(picture, file, "x.png")

@@ -16,6 +16,8 @@ from halo_window.animated import Animation
 BACKGROUND, KEY, EDGE = "#0e0e12", "#262834", "#565a6e"
 INK, TEXT, FAINT, STRUCK = "#ebebf0", "#ffeb96", "#9698a5", "#46bebe"
 GLOW_US = 250_000
+FITS = 44
+"""Characters in a line of 10 mm; a longer phrase is smaller."""
 LINES_MM = (18.0, 38.0, 56.0)
 """Where the lines of text are: figures, phrase, text."""
 
@@ -36,7 +38,9 @@ def to_svg(frames: Sequence[TouchFrame], typist: Typist) -> str:
     left_mm = min(key.x_mm for key in typist.shown.keys.values())
     for line, (y_mm, colour) in enumerate(zip(LINES_MM, (FAINT, INK, TEXT), strict=True)):
         texts = [(at, state[line]) for at, state in states]
-        animation.lines += _texts(animation, texts, left_mm, y_mm, colour, 7.0 if line == 0 else 10)
+        longest = max((len(text) for _, text in texts), default=0)
+        size = 7.0 if line == 0 else 10.0 * min(1.0, FITS / max(longest, 1))
+        animation.lines += _texts(animation, texts, left_mm, y_mm, colour, size)
     animation.fingers(frames, STRUCK)
     return animation.text(BACKGROUND)
 

@@ -25,6 +25,8 @@ NEAR_MM = 25.0
 BLINK_S = 1.0
 LINES = ((0.05, 0.035), (0.135, 0.055), (0.225, 0.055))
 """Place and height of each line of text over the surface's height: figures, phrase, text."""
+FITS = 44
+"""Characters in a line of this height; a longer phrase is smaller."""
 
 
 class View:
@@ -90,16 +92,17 @@ class View:
         left_mm = min((key.x_mm for key in shown.keys.values()), default=0.0)
         trial = shown.trial
         presented = "all phrases are done" if trial is None else trial.presented
+        fits = max(FITS, len(presented))
         cursor = "|" if trial is not None and now_s % BLINK_S < BLINK_S / 2 else ""
         lines = (
             (state_of(shown), FAINT),
             (presented, INK),
-            (shown.text + cursor, TEXT),
+            (shown.text[-fits:] + cursor, TEXT),
         )
         for (line, colour), (top, height) in zip(lines, LINES, strict=True):
             x, y = placed.placing.pixel(left_mm, top * placed.height_mm)
             scale = placed.placing.scale(left_mm, top * placed.height_mm)
-            font = _font(max(12, round(height * placed.height_mm * scale)))
+            font = _font(max(12, round(height * placed.height_mm * scale * FITS / fits)))
             self._repaint.over(screen.blit(font.render(line, True, colour), (x, y)))
 
 

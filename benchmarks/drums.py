@@ -29,8 +29,8 @@ from halo_drums.speakers import LATENCY_S, Speakers
 from halo_drums.view import View
 from halo_drums.voices import RATE
 from halo_window import Placed
-from halo_window.stage import SIZE
 
+SIZE = (1920, 1080)
 PICTURES_HZ = 60
 HIT_EACH = 5
 """Pictures between two hits: 12 hits a second are two hands at full speed."""
@@ -57,6 +57,7 @@ def run(bank: Bank, seconds: float, name: str) -> None:
     screen = pygame.display.set_mode(SIZE)
     placed = Placed(PictureTransform.fitted(*SIZE, WIDTH_MM, HEIGHT_MM), WIDTH_MM, HEIGHT_MM)
     view = View(KIT)
+    took_ms = []
     with Speakers(Mixer(bank), [miniaudio.Backend.NULL]) as speakers:
         for picture in range(round(seconds * PICTURES_HZ)):
             began_s = time.perf_counter()
@@ -71,11 +72,18 @@ def run(bank: Bank, seconds: float, name: str) -> None:
             if bank:
                 view.draw(screen, placed, began_s)
                 pygame.display.update(view.parts)
+            took_ms.append(1000 * (time.perf_counter() - began_s))
             time.sleep(max(0.0, began_s + 1 / PICTURES_HZ - time.perf_counter()))
         print(
             f"{name}: {speakers.made_s:.1f} s of sound, {speakers.gaps} gaps; a piece came at most "
             f"{1000 * speakers.latest_s:.0f} ms late, and the slowest took "
             f"{100 * speakers.slowest:.0f} % of its duration to compute"
+        )
+    if bank:
+        share = np.mean(np.array(took_ms) < 1000 / PICTURES_HZ)
+        print(
+            f"{name}: a picture takes {np.median(took_ms):.1f} ms, p99 "
+            f"{np.percentile(took_ms, 99):.1f} ms; {100 * share:.1f} % in time"
         )
 
 

@@ -48,8 +48,7 @@ class View:
             elif change is Change.ENDED and stroke is not None:
                 self.canvas.dry(stroke)
             elif change in (Change.UNDONE, Change.CLEARED):
-                self.canvas.repaint(painter.strokes)
-                self._copy((slice(0, self.size[1]), slice(0, self.size[0])))
+                self._copy(self.canvas.undo(painter.strokes))
 
     def draw(
         self, screen: pygame.Surface, painter: Painter, fingers: tuple[Pointer, ...], note: str

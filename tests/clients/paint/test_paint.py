@@ -154,6 +154,35 @@ def test_undo_goes_back_over_a_clear(wire: Any) -> None:
     assert counts == [0, 2, 1, 0, 0]
 
 
+def test_undo_shows_the_picture_before_while_another_finger_paints(wire: Any) -> None:
+    """Three strokes that cross, then undo step by step; an open stroke lies over all of them."""
+    placing = PictureTransform.fitted(300, 200, *SIZE)
+    painter, live = Painter(), Canvas(300, 200, placing)
+    open_frames = arc(wire)[:20]
+    for contacts in (1, 2, 3):
+        for frame in arc(wire, contacts, count=20 + 8 * contacts):
+            for change, stroke in painter.process(frame):
+                if change is Change.GREW:
+                    live.grow(stroke)
+                elif change is Change.ENDED:
+                    live.dry(stroke)
+    other = Painter(brush=BRUSHES[1])
+    for frame in open_frames:
+        for _, stroke in other.process(frame):
+            live.grow(stroke)
+    areas = []
+    for left in (2, 1, 0, 0):
+        painter.undo()
+        box = live.undo(painter.strokes)
+        assert len(painter.strokes) == left
+        anew = Canvas(300, 200, placing)
+        anew.repaint(painter.strokes)
+        anew.grow(stroke)
+        assert np.array_equal(live.pixels, anew.pixels)
+        areas.append((box[0].stop - box[0].start) * (box[1].stop - box[1].start))
+    assert max(areas[:3]) < areas[3] == 300 * 200, "only the last one, without a stroke, draws all"
+
+
 def test_a_lost_service_ends_its_strokes(wire: Any) -> None:
     painter = Painter()
     painted(arc(wire)[:20], painter)

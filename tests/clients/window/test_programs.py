@@ -20,7 +20,7 @@ from halo_protocol import Frame, encode_frame, event_to_json
 
 BIN = Path(sys.executable).parent
 SOUND = {"halo-drums": ("--silent",), "halo-paint": (), "halo-type": ("--silent",)}
-PROGRAMS = SOUND | {"halo-midi": ("--print",)}
+PROGRAMS = SOUND | {"halo-midi": ("--print",), "halo-lsl": ("--local",)}
 """All clients, without a device."""
 Run = Callable[..., "subprocess.Popen[str]"]
 
@@ -168,6 +168,7 @@ def test_without_midi_there_is_one_sentence(run: Run, udp_port: int) -> None:
     [
         (("halo-drums", "--silent", "--from", "nonsense"), "unknown source 'nonsense'"),
         (("halo-drums", "--render", "a.wav"), "need a recorded stream"),
+        (("halo-lsl", "--local", "--from", "none.jsonl"), "cannot read none.jsonl"),
         (("halo-midi", "--render", "a.mid"), "needs a recorded stream"),
         (("halo-midi", "--from", "a.jsonl", "--render", "a.mp3"), "is neither a .mid nor a .wav"),
         (("halo-midi", "--root", "H2"), "'H2' is no note"),

@@ -22,7 +22,7 @@ WITHOUT_DEVICES = {
 }
 
 
-@pytest.mark.parametrize("client", ["drums", "midi", "paint", "type"])
+@pytest.mark.parametrize("client", ["drums", "lsl", "midi", "paint", "type"])
 def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) -> None:
     text = (CLIENTS / client / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]
@@ -34,7 +34,9 @@ def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) 
     for device, substitute in WITHOUT_DEVICES.items():
         program = program.replace(device, substitute.format(port=port))
     path.write_text(program)
-    env = os.environ | {"SDL_VIDEODRIVER": "dummy"}
+    lsl = tmp_path / "lsl_api.cfg"
+    lsl.write_text("[multicast]\nResolveScope = machine\n[log]\nlevel = -3\n")
+    env = os.environ | {"SDL_VIDEODRIVER": "dummy", "LSLAPICFG": str(lsl)}
     with (
         subprocess.Popen([sys.executable, path], stderr=subprocess.PIPE, text=True, env=env) as run,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out,

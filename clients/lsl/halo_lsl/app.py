@@ -21,6 +21,7 @@ from halo_lsl.bridge import Bridge
 from halo_lsl.clock import Clock, Kind
 from halo_lsl.errors import LslError
 from halo_lsl.streams import Setup
+from halo_window import add_source_option
 
 if TYPE_CHECKING:
     from halo_lsl.outlets import Outlets
@@ -95,14 +96,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--from",
-        dest="source",
-        default=halo_client.DEFAULT_SOURCE,
-        metavar="SOURCE",
-        help="where frames come from: osc://127.0.0.1:4256 (default), "
-        "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
-    )
+    add_source_option(parser)
     parser.add_argument(
         "--local",
         action="store_true",

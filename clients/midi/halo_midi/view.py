@@ -33,6 +33,8 @@ def draw(
     # The first key that has a place counts, so it is drawn last.
     for key in reversed(board.keys):
         _key(screen, placed, font, key, key.area in pressed, board.layout.continuous)
+    if board.layout.continuous:
+        _octaves(screen, placed, font, board)
     for pointer in pointers:
         at = placed.placing.pixel(pointer.x_mm, pointer.y_mm)
         radius = FINGER_MM + (0.0 if pointer.touching else pointer.hover_mm / 4)
@@ -61,11 +63,21 @@ def _key(
     pygame.draw.polygon(screen, colour, corners)
     pygame.draw.aalines(screen, LINE, True, corners)
     if not continuous:
-        words = font.render(name, True, TEXT)
+        words = font.render(name, True, BACKGROUND if sounds else TEXT)
         x, y = placed.placing.pixel(
             (left + right) / 2 * placed.width_mm, (far + 5 * near) / 6 * placed.height_mm
         )
         screen.blit(words, words.get_rect(center=(x, y)))
+
+
+def _octaves(screen: pygame.Surface, placed: Placed, font: pygame.font.Font, board: Board) -> None:
+    """A line at each C of a layout without keys."""
+    for note in range(board.root, board.root + round(board.layout.semitones) + 1):
+        if note % 12 == 0:
+            x_mm = (note - board.root) / board.layout.semitones * placed.width_mm
+            far, near = (placed.placing.pixel(x_mm, y) for y in (0.0, placed.height_mm))
+            pygame.draw.aaline(screen, LINE, far, near)
+            screen.blit(font.render(note_name(note), True, TEXT), (near[0] + 6, near[1] - 24))
 
 
 @lru_cache(maxsize=4)

@@ -14,13 +14,21 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 from halo_window.errors import StageError
 from halo_window.loop import listen
-from halo_window.options import add_stage_options
+from halo_window.options import add_source_option, add_stage_options
 
 if TYPE_CHECKING:
     from halo_window.repaint import Repaint
     from halo_window.stage import Placed, Stage
 
-__all__ = ["Placed", "Repaint", "Stage", "StageError", "add_stage_options", "listen"]
+__all__ = [
+    "Placed",
+    "Repaint",
+    "Stage",
+    "StageError",
+    "add_source_option",
+    "add_stage_options",
+    "listen",
+]
 
 
 def __getattr__(name: str) -> Any:

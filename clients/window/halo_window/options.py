@@ -7,8 +7,8 @@ import argparse
 import halo_client
 
 
-def add_stage_options(parser: argparse.ArgumentParser) -> None:
-    """`--from`, `--full-screen`, `--display`."""
+def add_source_option(parser: argparse.ArgumentParser) -> None:
+    """`--from`."""
     parser.add_argument(
         "--from",
         dest="source",
@@ -17,6 +17,11 @@ def add_stage_options(parser: argparse.ArgumentParser) -> None:
         help="where frames come from: osc://127.0.0.1:4256 (default), "
         "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
+
+
+def add_stage_options(parser: argparse.ArgumentParser) -> None:
+    """`--from`, `--full-screen`, `--display`."""
+    add_source_option(parser)
     parser.add_argument(
         "--full-screen",
         action="store_true",

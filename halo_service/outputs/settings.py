@@ -15,13 +15,14 @@ class OscSettings:
     """`[osc]` in halo.toml."""
 
     enabled: bool = True
-    """Send to `destinations`."""
+    """Send frames by UDP to `destinations`."""
     destinations: tuple[str, ...] = (f"127.0.0.1:{DEFAULT_PORT}",)
-    """`HOST:PORT[/FORMAT][,OPTION=VALUE ...]` of each client that receives frames by UDP. Formats:
-    `frames`, `flat`, `tuio11`, `tuio2`. Options: `rate` (frames per second), `surface`, `bundles`,
-    `changes`, `timetags` (on or off), `ttl`, `interface` (for multicast)."""
+    """Programs that receive frames by UDP, each as `HOST:PORT[/FORMAT][,OPTION=VALUE ...]`, such as
+    `192.168.1.20:4256/flat`. Formats: `frames`, `flat`, `tuio11`, `tuio2`. Options: `rate` (frames
+    per second), `surface`, `bundles`, `changes`, `timetags` (on or off), `ttl`, `interface` (for
+    multicast)."""
     max_bytes: Annotated[int, Interval(ge=768, le=65_507)] = MAX_BUNDLE
-    """Largest bundle: 1232 passes every VPN, 1432 a wired network without tunnels."""
+    """Largest datagram, bytes: 1232 passes every VPN, 1432 a wired network without tunnels."""
     again_ms: Annotated[int, Interval(ge=0, le=2000)] = 400
     """When a touch or release is sent once more after its three frames; 0: never. 400 survives a
     Wi-Fi that pauses for 0.3 s, 600 one that pauses for 0.5 s."""
@@ -32,7 +33,8 @@ class TuioSettings:
     """`[tuio]` in halo.toml."""
 
     destinations: tuple[str, ...] = ()
-    """As in `[osc]`; port 3333 and format `tuio11` if none is named."""
+    """Programs that receive TUIO by UDP, such as `127.0.0.1`; written as in `[osc]`, with port 3333
+    and format `tuio11` if none is named."""
 
 
 LISTEN = ("tcp/127.0.0.1:7447",)
@@ -44,7 +46,7 @@ class ZenohSettings:
     """`[zenoh]` in halo.toml. These settings override `config`; `config` overrides the defaults."""
 
     enabled: bool = True
-    """Open a Zenoh session."""
+    """Send frames by Zenoh."""
     listen: tuple[str, ...] = ()
     """Endpoints to listen on; empty: those of `config`, else tcp/127.0.0.1:7447."""
     connect: tuple[str, ...] = ()
@@ -65,4 +67,4 @@ class ControlSettings:
     port: Annotated[int, Interval(ge=1, le=65_535)] = DEFAULT_CONTROL_PORT
     """UDP port; a free one is used where it is in use."""
     networks: tuple[str, ...] = ("127.0.0.0/8", "::1/128")
-    """Hosts of these networks may request the stream with a hello."""
+    """Only hosts in these networks may send commands or request the stream."""

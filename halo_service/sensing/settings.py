@@ -18,26 +18,26 @@ class SensingSettings:
     """`[sensing]` in halo.toml."""
 
     halo_threshold_mm: Annotated[float, Ge(0.0)] = 0.0
-    """Excess depth from which a pixel is halo (the paper's is 8, 5 to 10 by placement and material:
-    4.3.1); 0: what the calibration measured on this surface."""
+    """A pixel is halo if its depth reads this much farther than the empty table. 0: the value that
+    the calibration measured on this surface. The paper uses 8, and 5 to 10 by surface (4.3.1)."""
     hand_threshold_mm: Positive = 4.0
-    """How much nearer than the background a pixel must be to be hand (chosen: above the noise)."""
+    """A pixel is hand if it is this much nearer than the empty table (chosen: above the noise)."""
     hover_range_mm: Positive = 100.0
-    """Up to this height above the surface a fingertip is a pointer."""
+    """A fingertip is reported up to this height above the surface."""
     edge_margin_mm: Positive = 20.0
-    """A pointer may leave the surface by this much."""
+    """A fingertip outside the surface is reported up to this distance from its edge."""
     fingers: Fingers = "index"
-    """Which are pointers: the index fingers alone, or every extended finger (chosen: a thumb beside
-    a pointing index finger is rarely meant, and costs as much time)."""
+    """Which fingers are reported: the index fingers alone, or every extended finger. `all` also
+    reports a thumb next to a pointing finger, and each finger costs time."""
     lost_after_ms: Positive = 250.0
-    """A finger that the depth has not shown for so long is gone (chosen: a few frames)."""
+    """A finger that is not seen for this time is no longer reported (chosen: a few frames)."""
     down_level: Probability = 0.5
-    """A touch begins where its probability, seen in one frame, passes this (chosen)."""
+    """A touch begins where the probability of contact rises above this (chosen)."""
     up_level: Probability = 0.1
-    """A touch ends where its probability falls below this (chosen: hysteresis against a halo that
-    flickers)."""
+    """A touch ends where the probability of contact falls below this. It is lower than
+    `down_level`, so that a halo that flickers does not end a touch (chosen)."""
     fast_mm_s: Positive = 900.0
-    """A finger moving sideways faster than this cannot come down (paper 6.2 filters by speed)."""
+    """A finger that moves sideways faster than this cannot begin a touch (as in the paper, 6.2)."""
 
     def __post_init__(self) -> None:
         """Check the levels against each other. Raises ValueError."""

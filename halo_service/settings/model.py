@@ -29,8 +29,9 @@ class SourceSettings:
     """`[source]` in halo.toml: where frames come from."""
 
     name: str = "auto"
-    """`azure-kinect`, `femto-bolt` or `femto-mega`, with options such as `,serial=...`;
-    `camera` (any), `recording:FILE`, `sim[:SCENARIO]` or `auto`."""
+    """`auto`: a camera if one is connected, else the virtual camera. Or `camera` (any),
+    `azure-kinect`, `femto-bolt` or `femto-mega`, with options such as `,serial=...`;
+    `recording:FILE` or `sim[:SCENARIO]`."""
     wait_s: Annotated[float, Ge(0.0)] = 0.0
     """Longest wait for a camera at the start, for a machine that starts faster than its camera;
     only then `auto` chooses the virtual camera."""
@@ -45,7 +46,7 @@ class TrackingSettings:
     """`[tracking]` in halo.toml: how hands are found."""
 
     model: str = ""
-    """Path of a hand landmarker bundle; empty: the one in the user's cache folder."""
+    """Path of a hand landmarker file; empty: the one that `halo` downloads to the user's cache."""
     max_hands: Annotated[int, Interval(ge=1, le=4)] = 2
     """Number of hands to look for; the second costs time even while it is absent."""
 
@@ -62,7 +63,8 @@ class Settings:
     node: Annotated[str, Field(pattern="^[a-z0-9_-]{1,32}$")] = field(default_factory=default_node)
     """Name of this service on the network; default: this machine's name."""
     profile: str = ""
-    """The calibration: a path if it has a separator, else a name in the user's data folder."""
+    """Profile to start with: its name, or the path of its folder. Empty: none; the virtual camera
+    then uses its own."""
     source: SourceSettings = field(default_factory=SourceSettings)
     osc: OscSettings = field(default_factory=OscSettings)
     tuio: TuioSettings = field(default_factory=TuioSettings)

@@ -17,7 +17,7 @@ def waiting(url: str) -> str:
     """The sentence to print while no frames arrive."""
     return (
         f"waiting: no frames at {url} yet; is `halo serve` running, and does it send here? "
-        "Ctrl-C ends"
+        "Its first start measures the table for up to 20 s. Ctrl-C ends"
     )
 
 

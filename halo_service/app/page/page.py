@@ -35,8 +35,12 @@ class ControlPage:
         )
         self._outputs = OutputCalls(settings, parts.osc, parts.web, self.observer)
         reloader = parts.reloader
-        profiles = ProfileCalls(reloader, lambda: reloader.profile.name if reloader.profile else "")
         changes = SettingsCalls(settings, request.config, parts.osc, self.observer.request)
+        profiles = ProfileCalls(
+            reloader,
+            lambda: reloader.profile.name if reloader.profile else "",
+            changes.profile_at_start,
+        )
         self._wizard = Wizard(
             settings,
             source,

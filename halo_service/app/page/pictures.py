@@ -65,15 +65,23 @@ def excess_grey(depth: Depth, mean_mm: NDArray[np.float32], valid: NDArray[np.bo
     return grey
 
 
+def _excess(look: Look) -> Grey | None:
+    """Return depth as excess over the background; None without one."""
+    profile, depth = look.profile, look.frame.depth
+    if profile is None or profile.background.mean_mm.shape != depth.shape:
+        return None
+    background = profile.background
+    mean_mm = background.mean_mm[::STEP, ::STEP] + np.float32(look.drift_mm)
+    return excess_grey(depth[::STEP, ::STEP], mean_mm, background.valid[::STEP, ::STEP])
+
+
 def _depth(look: Look) -> bytes | None:
     depth = look.frame.depth[::STEP, ::STEP]
     header: dict[str, Any] = {}
-    profile = look.profile
-    if profile is not None and profile.background.mean_mm.shape == look.frame.depth.shape:
-        background = profile.background
-        mean_mm = background.mean_mm[::STEP, ::STEP] + np.float32(look.drift_mm)
-        grey = excess_grey(depth, mean_mm, background.valid[::STEP, ::STEP])
-        header = {"farther_mm": FARTHER_MM, "nearer_mm": NEARER_MM, "outlines": _outlines(grey)}
+    grey = _excess(look)
+    if grey is not None:
+        outlines = [each.tolist() for each in _outlines(grey)]
+        header = {"farther_mm": FARTHER_MM, "nearer_mm": NEARER_MM, "outlines": outlines}
     else:
         seen = depth[depth > 0]
         near, far = np.percentile(seen, (2.0, 98.0)) if seen.size else (0.0, 1.0)
@@ -88,7 +96,10 @@ def _infrared(look: Look) -> bytes | None:
     infrared = look.frame.ir[::STEP, ::STEP].astype(np.float32)
     bright = max(float(np.percentile(infrared[::4, ::4], 99.0)), 1.0)
     grey = np.clip(255.0 * np.sqrt(infrared / np.float32(bright)), 0.0, 255.0).astype(np.uint8)
-    return _message("infrared", grey, _drawn(look, look.camera.depth, np.eye(4), STEP))
+    excess = _excess(look)
+    outlines = [] if excess is None else [each.tolist() for each in _outlines(excess)]
+    drawn = _drawn(look, look.camera.depth, np.eye(4), STEP)
+    return _message("infrared", grey, {"outlines": outlines, **drawn})
 
 
 def _colour(look: Look) -> bytes | None:
@@ -104,18 +115,37 @@ def _colour(look: Look) -> bytes | None:
 
 
 def _in_colour(look: Look, lens: Lens, shrink: float) -> dict[str, Any]:
-    return _drawn(look, lens, look.camera.colour_from_depth, shrink)
+    colour_from_depth = look.camera.colour_from_depth
+    outlines = _outlines_in(look, lens, colour_from_depth, shrink)
+    return {"outlines": outlines, **_drawn(look, lens, colour_from_depth, shrink)}
 
 
-def _outlines(grey: Grey) -> list[list[list[int]]]:
-    """Return the outlines of what is nearer than the surface, as polygons of pixels."""
+def _outlines_in(
+    look: Look, lens: Lens, lens_from_camera: Points, shrink: float
+) -> list[list[list[float]]]:
+    """Return the outlines in the picture of another lens, by the depth at their pixels."""
+    excess = _excess(look)
+    if excess is None:
+        return []
+    moved = []
+    for outline in _outlines(excess):
+        columns, rows = outline.T
+        depth = look.frame.depth[STEP * rows, STEP * columns].astype(np.float64)
+        points = look.camera.depth.rays(np.asarray(STEP * outline, np.float64)) * depth[:, None]
+        points = points @ lens_from_camera[:3, :3].T + lens_from_camera[:3, 3]
+        moved.append(_rounded(lens.project(points), shrink))
+    return moved
+
+
+def _outlines(grey: Grey) -> list[NDArray[np.int32]]:
+    """Return the outlines of what is nearer than the surface, (N, 2) pixels each."""
     limit = 128.0 - HAND_MM * 127.0 / NEARER_MM
     near = ((grey > 0) & (grey < limit)).astype(np.uint8)
     found, _ = cv2.findContours(near, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     large = [each for each in found if cv2.contourArea(each) >= LEAST_OUTLINE_PX]
     large.sort(key=cv2.contourArea, reverse=True)
     thin = [cv2.approxPolyDP(each, 1.0, True) for each in large[:MOST_OUTLINES]]
-    return [each.reshape(-1, 2).tolist() for each in thin]
+    return [np.asarray(each, np.int32).reshape(-1, 2) for each in thin]
 
 
 def _drawn(look: Look, lens: Lens, lens_from_camera: Points, shrink: float) -> dict[str, Any]:

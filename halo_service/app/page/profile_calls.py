@@ -20,9 +20,15 @@ MOST_COPIES = 100
 class ProfileCalls:
     """Works on the profiles in the user's data folder."""
 
-    def __init__(self, reloader: ProfileReloader, in_use: Callable[[], str]) -> None:
-        """`in_use`: the name of the profile that the service uses."""
-        self._reloader, self._in_use = reloader, in_use
+    def __init__(
+        self,
+        reloader: ProfileReloader,
+        in_use: Callable[[], str],
+        at_start: Callable[[], str] = str,
+    ) -> None:
+        """`in_use`: returns the name of the profile that the service uses; `at_start`: of the one
+        that the settings file names."""
+        self._reloader, self._in_use, self._at_start = reloader, in_use, at_start
 
     def table(self) -> dict[str, Call]:
         """Return the calls."""
@@ -42,6 +48,7 @@ class ProfileCalls:
         return {
             "profiles": [_described(name) for name in names],
             "in_use": self._in_use(),
+            "at_start": self._at_start(),
             "error": self._reloader.error,
         }
 

@@ -75,6 +75,17 @@ def test_a_block_on_the_table_gets_an_outline_where_it_is() -> None:
     assert np.abs(STEP * low - (100, 200)).max() <= STEP
     assert np.abs(STEP * high - (260, 300)).max() <= STEP
     assert image[125, 90, 0] < 80 < 110 < image[20, 160, 0]
+    assert opened(picture("infrared", look(depth, profile())))[0]["outlines"] == [outline]
+    lens = CAMERA.colour
+    assert lens is not None
+    colour = np.zeros((lens.height, lens.width, 3), np.uint8)
+    header, _ = opened(picture("colour", look(depth, profile(), colour)))
+    corners = CAMERA.depth.rays(np.array([[100.0, 200.0], [258.0, 298.0]])) * (FLAT_MM - 60.0)
+    corners = corners @ CAMERA.colour_from_depth[:3, :3].T + CAMERA.colour_from_depth[:3, 3]
+    seen = lens.project(corners) / (lens.width / header["width"])
+    (moved,) = header["outlines"]
+    for corner in seen:
+        assert np.abs(np.array(moved) - corner).max(axis=1).min() < 2.0
 
 
 def test_the_surface_is_drawn_where_the_lens_sees_it() -> None:

@@ -1,4 +1,4 @@
-"""The control page in Chromium, on the virtual camera, as a user has it."""
+"""The control page in Chromium and Firefox, on the virtual camera, as a user has it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from tests.web.page.firefox import started
+
 playwright = pytest.importorskip("playwright.sync_api")
 
 FOLDER = Path(__file__).parent
@@ -22,6 +24,7 @@ HALO = Path(sys.executable).with_name("halo")
 SOURCE = "sim:demo,mode=NFOV_2X2BINNED"
 """A quarter of the pixels: the page is as before, and the camera costs less."""
 VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "record", "log")
+STEPS = ("camera", "background", "touch", "sweep", "projector", "anchor", "surface", "verify")
 START_S, STEP_MS = 90.0, 300_000
 """Patience with a busy machine."""
 FIRST_PAINT_MS = 1000.0
@@ -134,6 +137,31 @@ def test_every_view_opens_fast_without_errors_and_is_accessible(
     print(f"first contentful paint after {painted:.0f} ms")
     assert painted < FIRST_PAINT_MS
     context.close()
+
+
+def test_firefox_shows_every_view_with_its_pictures_and_runs_a_step(
+    service: Service, external_program: Callable[[str], str], tmp_path: Path
+) -> None:
+    with started(external_program("firefox-esr"), tmp_path) as firefox:
+        firefox.open(service.url)
+        firefox.wait("document.getElementById('state').textContent === '✓ connected'")
+        for view in VIEWS:
+            firefox.run(f"void (location.hash = '{view}')")
+            firefox.wait(f"document.querySelector('nav a[aria-current]').hash === '#{view}'")
+            firefox.wait("document.querySelector('main h1') !== null")
+            if view == "live":
+                firefox.wait("document.body.innerText.includes('right index')")
+                firefox.run(
+                    "for (const each of document.querySelectorAll('main input')) each.click()"
+                )
+                firefox.wait(
+                    "document.querySelectorAll('.pictures canvas[width=\"160\"]').length === 2"
+                )
+        firefox.run("void (location.hash = 'setup')")
+        firefox.wait("document.querySelector('[aria-label=\"Start camera\"]') !== null")
+        firefox.run("document.querySelector('[aria-label=\"Start camera\"]').click()")
+        firefox.wait("document.querySelector('.prompt')?.textContent === '✓ camera'", START_S)
+        assert firefox.errors == []
 
 
 def test_the_live_view_shows_fingers_and_only_the_chosen_pictures(
@@ -271,6 +299,29 @@ CHANGE_ALL = """async () => {
 }"""
 
 
+def test_a_recording_is_replayed_in_the_camera_s_place_until_it_is_stopped(
+    service: Service, page: Any
+) -> None:
+    open_view(page, service, "record")
+    page.get_by_role("button", name="Record", exact=True).click()
+    page.wait_for_selector("text=● recording")
+    page.wait_for_timeout(2000)
+    page.click("text=Stop recording")
+    page.wait_for_selector("text=The last recording:")
+    page.click("[aria-label^='Replay ']")
+    page.wait_for_selector("#notice:has-text('is replayed, not the camera')")
+    open_view(page, service, "live")
+    page.wait_for_selector("text=right index")
+    open_view(page, service, "setup")
+    page.click("[aria-label='Start camera']")
+    page.wait_for_selector("text=stop the replay in Record first")
+    open_view(page, service, "record")
+    page.click("text=Stop the replay")
+    page.wait_for_selector("#notice:has-text('Virtual camera')")
+    open_view(page, service, "live")
+    page.wait_for_selector("text=right index", timeout=60_000)
+
+
 def test_the_page_comes_back_when_the_service_was_killed(service: Service, page: Any) -> None:
     open_view(page, service, "live")
     page.wait_for_selector("#state:has-text('connected')")
@@ -283,29 +334,62 @@ def test_the_page_comes_back_when_the_service_was_killed(service: Service, page:
     page.halo_errors[:] = [each for each in page.halo_errors if "ERR_CONNECTION" not in each]
 
 
+def press(page: Any, selector: str) -> None:
+    """Go to an element with the Tab key alone, and press Enter."""
+    target = page.locator(selector)
+    for _ in range(150):
+        page.keyboard.press("Tab")
+        if target.evaluate("node => node === document.activeElement"):
+            page.keyboard.press("Enter")
+            return
+    pytest.fail(f"the Tab key does not reach {selector}")
+
+
 def test_from_an_empty_folder_to_a_verified_profile_through_the_page_alone(
     service: Service, page: Any
 ) -> None:
-    open_view(page, service, "setup")
-    page.fill("#profile-name", "stage")
-    page.click("text=Use this name")
+    """The first steps are done with the keyboard alone."""
+    page.goto(f"{service.url}#log")
+    page.wait_for_selector("main h1")
+    for view in (*VIEWS, "setup"):
+        press(page, f"nav a[href='#{view}']")
+        page.wait_for_selector(f"nav a[href='#{view}'][aria-current]")
+        assert page.evaluate("document.activeElement.id") == "main"
+    press(page, "#profile-name")
+    page.keyboard.press("Control+A")
+    page.keyboard.type("stage")
+    press(page, "text=Use this name")
+    page.wait_for_selector("text='stage' does not exist yet")
     page.wait_for_selector("text=Still missing: background, touch, sweep")
     popup = page.context.new_page()
     popup.goto(f"{service.url}projector.html")
     popup.wait_for_selector("#size:has-text('pixels')")
-    # A small surface has few crossings to verify, and the virtual user takes its time for each.
-    # The sweep, another minute, is as in the guided calibration's own tests.
-    for step in ("camera", "background", "touch", "projector", "surface", "verify"):
+    # A small surface has few crossings to verify, and the virtual user needs its time for each.
+    for step in STEPS:
         if step == "surface":
             page.fill("#surface-width_mm", "150")
             page.fill("#surface-height_mm", "100")
         started_s = time.monotonic()
-        page.click(f"[aria-label='Start {step}']")
+        if step in ("camera", "background"):
+            press(page, f"[aria-label='Start {step}']")
+        else:
+            page.click(f"[aria-label='Start {step}']")
+        if step == "sweep":
+            page.wait_for_selector(".map:has-text('██')", timeout=STEP_MS)
         page.wait_for_selector(f".prompt:text-matches('^[✓✕] {step}$')", timeout=STEP_MS)
         verdict = page.locator(".card:has(.prompt)").inner_text()
         print(f"{step}: {time.monotonic() - started_s:.0f} s:", *verdict.split())
         assert page.locator(".prompt.good").count() == 1, verdict
-    page.wait_for_selector("text=Still missing: sweep.")
+        if step == "background":
+            page.wait_for_selector(
+                "li:has(#by-surface) >> text=/^◦ .*placed by the background step/"
+            )
+            page.wait_for_selector("text=Still missing: touch, sweep.")
+    page.wait_for_selector("text=✓ The calibration is complete.")
+    page.wait_for_selector("li:has([aria-label='Start verify']) >> text=/^✓ good, .* 95 % of/")
+    page.click("text=Use it at every start")
+    page.wait_for_selector("text=The service uses it at every start.")
+    assert tomllib.loads(service.config.read_text())["profile"] == "stage"
     assert popup.evaluate("document.getElementById('picture').width") == WIDTH_PX
     open_view(page, service, "profiles")
     page.wait_for_selector(".card:has-text('stage') >> text=in use")

@@ -6,12 +6,12 @@ const MOST = 120;
 const FIGURES = [
   ["fps", "frames a second", (value) => value?.toFixed(1)],
   ["latency_ms", "latency, ms", (value) => (value < 0 ? "-" : value?.toFixed(1))],
-  ["tracker_ms", "age of hands, ms", (value) => (value < 0 ? "-" : value?.toFixed(0))],
-  ["cpu", "processor, cores", (value) => value?.toFixed(2)],
+  ["tracker_ms", "age of hand positions, ms", (value) => (value < 0 ? "-" : value?.toFixed(0))],
+  ["cpu", "CPU, cores", (value) => value?.toFixed(2)],
   ["drops", "missed frames", String],
   ["bad_frames", "bad frames", String],
   ["tracker", "hand tracker", String],
-  ["fit", "profile fits", String],
+  ["fit", "fit of the profile", String],
   ["osc_clients", "OSC receivers", String],
   ["web_clients", "WebSocket clients", String],
 ];

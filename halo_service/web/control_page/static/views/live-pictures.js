@@ -3,8 +3,8 @@
 import { el } from "../dom.js";
 
 const KINDS = {
-  depth: "Depth: what seems deeper than the surface is bright and warm, what is above it dark and blue. Black: no measurement.",
-  infrared: "Infrared.",
+  depth: "Depth against the empty table. Orange, bright (+): it reads deeper, which is the halo. Blue, dark (−): it is above the table, such as a hand. Grey: as the empty table. Black: no measurement.",
+  infrared: "Infrared: what the depth camera sees.",
   colour: "Colour.",
 };
 
@@ -24,8 +24,9 @@ export class Pictures {
   toggle(kind, on) {
     if (on) {
       const canvas = el("canvas", { role: "img", "aria-label": kind, width: 320, height: 240 });
-      const figure = el("figure", {}, canvas, el("figcaption", {}, KINDS[kind]));
-      this.shown.set(kind, { canvas, figure });
+      const scale = el("span");
+      const figure = el("figure", {}, canvas, el("figcaption", {}, KINDS[kind], scale));
+      this.shown.set(kind, { canvas, figure, scale });
       this.place.append(figure);
     } else {
       this.shown.get(kind)?.figure.remove();
@@ -46,7 +47,10 @@ export class Pictures {
     const context = canvas.getContext("2d", { willReadFrequently: header.kind === "depth" });
     context.drawImage(bitmap, 0, 0);
     bitmap.close();
-    if (header.kind === "depth" && header.farther_mm) paint(context, header.width, header.height);
+    if (header.kind === "depth" && header.farther_mm) {
+      paint(context, header.width, header.height);
+      shown.scale.textContent = ` The scale ends at +${header.farther_mm} and −${header.nearer_mm} mm.`;
+    }
     const line = header.width / 320;
     drawPolygon(context, header.surface, "#ffffff", 2 * line, []);
     drawPolygon(context, header.projector, "#57e0d8", 2 * line, [8 * line, 5 * line]);

@@ -13,7 +13,7 @@ export class Strip {
       "figure",
       {},
       this.canvas,
-      el("figcaption", {}, "Contact: how probable it is that the finger touches. Dashed: where a touch begins and ends. Thick: touching."),
+      el("figcaption", {}, "Contact: the probability that the finger touches. A touch begins above the line 'down' and ends below the line 'up'. Thick: touching. Each finger has its own dashes."),
     );
     this.thresholds = {};
     this.points = []; // {at, slot, probability, height, force, touch}

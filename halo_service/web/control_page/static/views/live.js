@@ -27,8 +27,8 @@ export function mount(root, service) {
     surface.scene = scene;
     strip.thresholds = scene.thresholds;
     facts.textContent =
-      `${scene.surface}, ${Math.round(scene.width_mm)} × ${Math.round(scene.height_mm)} mm. ` +
-      (scene.profile ? `Profile ${scene.profile}, ${scene.calibrated}, revision ${scene.revision}.` : "No profile: no touch is found.") +
+      `Surface '${scene.surface}', ${Math.round(scene.width_mm)} × ${Math.round(scene.height_mm)} mm. ` +
+      (scene.profile ? `Profile '${scene.profile}', calibration ${scene.calibrated}, revision ${scene.revision}.` : "No profile, so no touch is found: open Set up.") +
       (scene.projector ? " The dashed line is the projector's picture." : "");
   };
   let listed = 0;
@@ -66,7 +66,7 @@ const round = (value, unit) => (value === null ? "-" : `${Math.round(value)} ${u
 function fingers(pointers) {
   if (pointers.length === 0) return el("p", { className: "soft" }, "No finger is near the surface.");
   return table(
-    ["", "finger", "state", "height", "force", "sure"],
+    ["no.", "finger", "state", "height", "force", "sure"],
     pointers.map((each) => [
       `${each.slot}`,
       `${each.side} ${each.finger}`,

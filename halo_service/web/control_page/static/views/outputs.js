@@ -3,11 +3,14 @@
 import { button, card, el, table, toast } from "../dom.js";
 
 const EVERY_MS = 1000;
+const FORMATS = "Formats: /frames (halo clients), /flat (any program that reads OSC), /tuio11 and /tuio2 (TUIO programs).";
+
+const count = (clients) => (clients === 1 ? "1 client" : `${clients || "no"} clients`);
 
 export function mount(root, service) {
   const sent = el("div");
   const pattern = el("div");
-  const to = el("input", { type: "text", id: "pattern-to", placeholder: "192.168.1.20:4256/flat", size: 26, maxLength: 200 });
+  const to = el("input", { type: "text", id: "pattern-to", placeholder: "127.0.0.1:4256/flat", size: 26, maxLength: 200 });
   let before = new Map();
   let shownPattern = "";
   const load = async () => {
@@ -18,13 +21,13 @@ export function mount(root, service) {
       const seconds = last ? (now - last.now) / 1000 : 1;
       const rate = last ? `${Math.round((datagrams - last.datagrams) / seconds)}` : "-";
       const kilo = last ? `${((bytes - last.bytes) / seconds / 1000).toFixed(1)}` : "-";
-      return [to, rate_hz ? `${rate_hz} Hz` : "all frames", reached ? "✓" : "✕ no address", rate, kilo];
+      return [to, rate_hz ? `${rate_hz} Hz` : "all frames", reached ? "✓ found" : "✕ not found", rate, kilo];
     });
     before = new Map(read.osc.map(({ to, datagrams, bytes }) => [to, { datagrams, bytes, now }]));
     sent.replaceChildren(
-      card("OSC and TUIO by UDP", rows.length ? table(["receiver and format", "rate limit", "found", "datagrams / s", "kB / s"], rows, [3, 4]) : el("p", {}, "Nothing is sent by UDP."),
-        el("p", { className: "small" }, "Change the receivers in ", el("a", { href: "#settings" }, "Settings"), ". UDP confirms nothing: whether a program receives it shows only there.")),
-      card("WebSocket", el("p", {}, read.websocket.url ? [el("code", {}, read.websocket.url), ` ${read.websocket.clients} clients`] : "off")),
+      card("OSC and TUIO by UDP", rows.length ? table(["receiver and format", "rate limit", "address", "datagrams / s", "kB / s"], rows, [3, 4]) : el("p", {}, "Nothing is sent by UDP."),
+        el("p", { className: "small" }, "Change the receivers in ", el("a", { href: "#settings" }, "Settings"), ". UDP has no receipt: look in your program whether touches arrive.")),
+      card("WebSocket", el("p", {}, read.websocket.url ? [el("code", {}, read.websocket.url), ` ${count(read.websocket.clients)}`] : "off")),
       card("Zenoh", el("p", {}, read.zenoh.length ? read.zenoh.map((each) => el("code", {}, each)) : "off")),
     );
     const state = JSON.stringify([read.pattern, read.patterns]);
@@ -41,7 +44,7 @@ export function mount(root, service) {
     const rows = read.patterns.map((each) => el("div", { className: "row" }, el("code", {}, each), button("Stop", act("stop-pattern", { to: each }))));
     pattern.replaceChildren(
       el("div", { className: "row" }, read.pattern
-        ? [el("strong", {}, "The pattern is sent on all outputs instead of touches."), button("Stop", act("stop-pattern", { to: "" }), { className: "main" })]
+        ? [el("strong", {}, "The pattern is sent on all outputs, instead of touches."), button("Stop", act("stop-pattern", { to: "" }), { className: "main" })]
         : button("Send on all outputs", act("start-pattern", { to: "" }), { className: "main" })),
       ...rows,
     );
@@ -50,9 +53,13 @@ export function mount(root, service) {
     el("h1", {}, "Outputs"),
     card(
       "Test pattern",
-      el("p", {}, "A pointer draws a circle in four seconds: it touches for three and hovers for one. Your program should show it."),
+      el("p", {}, "Checks the way to your program without a hand: a pointer draws a circle in four seconds. It touches for three and hovers for one."),
       service.operator ? pattern : el("p", { className: "soft" }, "Only the operator's page can send it."),
-      service.operator ? el("div", { className: "row" }, el("label", { htmlFor: "pattern-to" }, "To one program:"), to, button("Send", async () => act("start-pattern", { to: to.value.trim() || to.placeholder })())) : "",
+      service.operator ? el("div", { className: "row" }, el("label", { htmlFor: "pattern-to" }, "Or to one program:"), to, button("Send", async () => {
+        if (!to.value.trim()) throw new Error("Write where to send it: host, port and format, such as 127.0.0.1:4256/flat.");
+        await act("start-pattern", { to: to.value.trim() })();
+      })) : "",
+      service.operator ? el("p", { className: "small soft" }, FORMATS) : "",
     ),
     sent,
   );

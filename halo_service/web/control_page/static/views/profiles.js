@@ -6,8 +6,10 @@ export function mount(root, service) {
   const place = el("div");
   const compare = el("div");
   const chosen = new Set();
+  let atStart = "";
   const load = async () => {
-    const { profiles, in_use, error } = await service.call("profiles");
+    const { profiles, in_use, at_start, error } = await service.call("profiles");
+    atStart = at_start;
     for (const name of chosen) if (!profiles.some((each) => each.name === name)) chosen.delete(name);
     place.replaceChildren(
       error ? el("p", { className: "bad" }, error) : "",
@@ -28,10 +30,10 @@ export function mount(root, service) {
     const box = el("input", { type: "checkbox", id: `compare-${name}`, checked: chosen.has(name), onchange: () => { box.checked ? chosen.add(name) : chosen.delete(name); load(); } });
     return card(
       name,
-      el("p", {}, used ? "● in use, " : "", `${profile.calibrated}, revision ${profile.revision}`),
-      el("ul", { className: "small" }, Object.entries(profile.steps).map(([step, { quality, date }]) =>
-        el("li", {}, `${step}: ${quality}, ${new Date(date).toLocaleDateString()}`))),
-      el("p", {}, box, " ", el("label", { htmlFor: box.id }, `show ${name} in detail`)),
+      el("p", {}, used ? "● in use now. " : "", name === atStart ? "Used at every start. " : "", `Calibration ${profile.calibrated}, revision ${profile.revision}.`),
+      el("ul", { className: "small" }, sorted(profile.steps).map(([step, { quality, date }]) =>
+        el("li", {}, `${step}: ${quality}, ${new Date(date).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })}`))),
+      el("p", {}, box, " ", el("label", { htmlFor: box.id }, `show details of ${name}`)),
       ...controls(name, used, true),
     );
   };
@@ -44,6 +46,9 @@ export function mount(root, service) {
         "div",
         { className: "row" },
         readable && !used ? button("Use", async () => { await service.call("use-profile", { name }); setTimeout(load, 1200); }, { className: "main" }) : null,
+        readable && name !== atStart
+          ? button("Use at every start", act("change-settings", { changes: [{ section: "", key: "profile", value: name }] }))
+          : null,
         readable ? button("Export", save) : null,
         used ? null : button("Delete", async () => { if (confirm(`Delete the profile ${name}?`)) await act("delete-profile", { name })(); }, { className: "danger" }),
       ),
@@ -77,10 +82,13 @@ export function mount(root, service) {
     compare.append(card("Details", table(["", ...shown.map((each) => each.name)], keys.map((key) =>
       [key, ...cells.map((found) => el("div", {}, (found.get(key) ?? ["-"]).map((line) => el("div", {}, line))))]))));
   };
-  root.append(el("h1", {}, "Profiles"), el("p", {}, "A profile is the calibration of one camera, table and finger."), place, compare);
+  root.append(el("h1", {}, "Profiles"), el("p", {}, "A profile is the calibration of one camera, table and finger. Show the details of two profiles to compare them."), place, compare);
   load().catch((error) => toast(error.message));
   return service.on("scene", () => load().catch(() => {}));
 }
+
+const ORDER = ["camera", "background", "surface", "touch", "sweep", "projector", "anchor", "verify"];
+const sorted = (steps) => Object.entries(steps).sort(([a], [b]) => ORDER.indexOf(a) - ORDER.indexOf(b));
 
 function download(blob, name) {
   const link = el("a", { href: URL.createObjectURL(blob), download: name });

@@ -16,7 +16,7 @@ export function mount(root, service) {
     );
     forms.sort((a, b) => rank(a.section) - rank(b.section));
     place.replaceChildren(
-      el("p", {}, read.exists ? "Written to " : "Will be written to ", el("code", {}, read.file), ". Comments and order in the file stay."),
+      el("p", {}, read.exists ? "Save writes to " : "Save makes the file ", el("code", {}, read.file), ". Your comments in it and its order stay."),
       ...forms.map((form) => form.element(form.section === open)),
     );
   };
@@ -53,7 +53,7 @@ class Form {
     const save = button("Save", () => this.save(), { className: "main" });
     const fields = Object.entries(this.properties).map(([key, property]) => this.field(key, property));
     const controls = this.service.operator
-      ? el("div", { className: "row" }, save, el("span", { className: "soft small" }, atOnce ? "Used at once." : "Used after the service starts again."))
+      ? el("div", { className: "row" }, save, el("span", { className: "soft small" }, atOnce ? "Changes are used at once." : "Changes are used after the service starts again."))
       : el("p", { className: "soft" }, "Only the operator's page can change these.");
     return el(
       "details",
@@ -75,9 +75,9 @@ class Form {
     const row = el(
       "div",
       { className: "setting" },
-      el("label", { htmlFor: id }, key),
-      property.unit ? el("span", { className: "soft" }, ` ${property.unit}`) : null,
-      el("p", { className: "help", id: `${id}-help` }, property.description ?? ""),
+      el("label", { htmlFor: id }, named(key), property.unit ? `, ${property.unit}` : ""),
+      el("span", { className: "soft small" }, ` ${key}`),
+      el("p", { className: "help", id: `${id}-help` }, described(property.description ?? "")),
       el("div", { className: "row" }, input, words),
     );
     input.setAttribute("aria-describedby", `${id}-help`);
@@ -85,7 +85,7 @@ class Form {
       const differs = !same(read(input, property), standard);
       words.replaceChildren(
         `default: ${shown(standard)}`,
-        same(running, value) ? "" : ` · this run uses ${shown(running)}`,
+        same(running, value) ? "" : ` · the service uses ${shown(running)} now`,
       );
       if (differs && this.service.operator) {
         const back = el("button", { type: "button", className: "small", onclick: () => { write(input, property, standard); note(); } }, "Default");
@@ -118,6 +118,12 @@ class Form {
     await this.reload(this.section);
   }
 }
+
+const UNIT = /_(mm_s|mm|ms|s|g)$/;
+const named = (key) => key.replace(UNIT, "").replaceAll("_", " ");
+
+// Text with `code` in it.
+const described = (text) => text.split("`").map((part, n) => (n % 2 ? el("code", {}, part) : part));
 
 const kind = (property) => property.type ?? (property.enum ? "string" : "string");
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);

@@ -86,6 +86,11 @@ class WebServer:
         """Clients that receive the stream now; from any thread."""
         return len(self._clients)
 
+    @property
+    def clients(self) -> tuple[Subscriber, ...]:
+        """Clients that receive the stream now; from any thread, to read what was sent to them."""
+        return tuple(self._clients)
+
     def send(self, outgoing: Outgoing) -> None:
         """Hand a frame or report to the server's thread."""
         self._latest[outgoing.surface, outgoing.kind] = outgoing

@@ -11,6 +11,7 @@ from aiohttp import ClientError, WSCloseCode, web
 from halo_service.outputs.destination import Stream
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.outputs.stream_encoder import StreamEncoder
+from halo_service.web.listener import bracketed
 from halo_service.web.requests import write_text
 
 OSC, JSON = "halo.1.osc", "halo.1.json"
@@ -37,6 +38,14 @@ class Subscriber:
         self._filled = asyncio.Event()
         self.dropped = 0
         """Frames and reports that this client was too slow for."""
+        self.messages = self.bytes = 0
+        """What was sent to it so far."""
+
+    @property
+    def address(self) -> str:
+        """Host and port of the client."""
+        peer = self._transport.get_extra_info("peername") if self._transport else None
+        return f"{bracketed(peer[0])}:{peer[1]}" if peer else "unknown"
 
     def choose(self, stream: Stream) -> None:
         """Send another stream from now on."""
@@ -81,6 +90,8 @@ class Subscriber:
 
     async def _send(self, messages: list[bytes | str]) -> None:
         for message in messages:
+            self.messages += 1
+            self.bytes += len(message)
             if isinstance(message, str):
                 await self._socket.send_str(message)
             else:

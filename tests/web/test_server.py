@@ -63,6 +63,9 @@ def test_binary_messages_are_the_datagrams(server: WebServer) -> None:
         server.send(large)
         assert [socket_.recv(5.0) for _ in large.datagrams] == large.datagrams
         assert len(large.datagrams) == 2
+        (listed,) = server.clients
+        assert listed.address == "127.0.0.1:{1}".format(*socket_.local_address)
+        assert (listed.messages, listed.bytes) == (2, sum(map(len, large.datagrams)))
 
 
 @pytest.mark.parametrize("protocols", [(JSON,), ()])

@@ -73,7 +73,15 @@ class OutputCalls:
             ],
             "websocket": {
                 "url": self._web.url if self._web else "",
-                "clients": self._web.client_count if self._web else 0,
+                "clients": [
+                    {
+                        "to": f"{each.address} ({'OSC' if each.binary else 'JSON'})",
+                        "datagrams": each.messages,
+                        "bytes": each.bytes,
+                        "dropped": each.dropped,
+                    }
+                    for each in (self._web.clients if self._web else ())
+                ],
             },
             "zenoh": list(places) if zenoh.enabled else [],
             "node": self._settings.node,

@@ -40,7 +40,8 @@ class Verification:
         self._watch(self.grid)
         for x_mm, y_mm in downs:
             landing = self.grid.land(x_mm, y_mm)
-            self._say(_landing_line(self.grid, x_mm, y_mm, landing))
+            missed = f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is not near a crossing"
+            self._say(missed if landing is None else landing_line(self.grid, landing))
         self._screen.show(self.grid.picture(fingers))
 
     @property
@@ -50,9 +51,8 @@ class Verification:
         return closed or self.grid.next is None
 
 
-def _landing_line(grid: Grid, x_mm: float, y_mm: float, landing: Landing | None) -> str:
-    if landing is None:
-        return f"a touch at {x_mm:.0f}, {y_mm:.0f} mm is not near a crossing"
+def landing_line(grid: Grid, landing: Landing) -> str:
+    """Return how far a touch is from its crossing, mm and px."""
     right, near = f"{landing.dx_mm:+.1f} right", f"{landing.dy_mm:+.1f} near"
     off = f"{landing.off_mm:.1f} mm off, {grid.off_px(landing):.1f} px"
     return f"{grid.name(landing.crossing)}: {off} ({right}, {near})"

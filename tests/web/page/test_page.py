@@ -354,7 +354,7 @@ def test_from_an_empty_folder_to_a_verified_profile_through_the_page_alone(
     for view in (*VIEWS, "setup"):
         press(page, f"nav a[href='#{view}']")
         page.wait_for_selector(f"nav a[href='#{view}'][aria-current]")
-        assert page.evaluate("document.activeElement.id") == "main"
+        page.wait_for_selector("#main:focus")
     press(page, "#profile-name")
     page.keyboard.press("Control+A")
     page.keyboard.type("stage")

@@ -38,7 +38,7 @@ from halo_service.app.page.wizard.requests import STEPS, read_request
 from halo_service.app.page.wizard.sources import wizard_source
 from halo_service.app.page.wizard.watch import verify_touches
 from halo_service.app.service.profile_reloader import ProfileReloader
-from halo_service.app.verification.session import summary_lines, verify_record
+from halo_service.app.verification.session import landing_line, summary_lines, verify_record
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile, StepRecord
@@ -65,6 +65,8 @@ class Verdict:
     text: str
     map: Sequence[str] = ()
     """Of the picture, a line a row, and what its marks mean."""
+    points: Sequence[str] = ()
+    """The error of each touch of a verification."""
 
 
 class Wizard:
@@ -136,6 +138,7 @@ class Wizard:
                 "good": self._verdict.good,
                 "text": self._verdict.text,
                 "map": list(self._verdict.map),
+                "points": list(self._verdict.points),
             },
             "can_undo": bool(self._before) and not self.running,
             "screen": list(self.screen.size_px) if self.screen.is_open else None,
@@ -263,7 +266,8 @@ class Wizard:
         record = verify_record(grid, date) if good else None
         if record is not None or (before is not None and "verify" in before.steps):
             self._amend(folder, before, with_record("verify", record))
-        return Verdict("verify", good, "\n".join(lines))
+        points = [landing_line(grid, each) for each in grid.landings]
+        return Verdict("verify", good, "\n".join(lines), points=points)
 
     def _with_camera(self, change: Change) -> Change:
         """Return a change that also stores how the camera is placed, once there is a profile."""

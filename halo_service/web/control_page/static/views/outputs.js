@@ -5,7 +5,6 @@ import { button, card, el, table, toast } from "../dom.js";
 const EVERY_MS = 1000;
 const FORMATS = "Formats: /frames (halo clients), /flat (any program that reads OSC), /tuio11 and /tuio2 (TUIO programs).";
 
-const count = (clients) => (clients === 1 ? "1 client" : `${clients || "no"} clients`);
 
 export function mount(root, service) {
   const sent = el("div");
@@ -16,19 +15,24 @@ export function mount(root, service) {
   const load = async () => {
     const read = await service.call("outputs");
     const now = performance.now();
-    const rows = read.osc.map(({ to, rate_hz, reached, datagrams, bytes }) => {
+    const sentTo = ({ to, datagrams, bytes }) => {
       const last = before.get(to);
       const seconds = last ? (now - last.now) / 1000 : 1;
-      const rate = last ? `${Math.round((datagrams - last.datagrams) / seconds)}` : "-";
-      const kilo = last ? `${((bytes - last.bytes) / seconds / 1000).toFixed(1)}` : "-";
-      return [to, rate_hz ? `${rate_hz} Hz` : "all frames", reached ? "✓ found" : "✕ not found", rate, kilo];
-    });
-    before = new Map(read.osc.map(({ to, datagrams, bytes }) => [to, { datagrams, bytes, now }]));
+      return last
+        ? [`${Math.round((datagrams - last.datagrams) / seconds)}`, ((bytes - last.bytes) / seconds / 1000).toFixed(1)]
+        : ["-", "-"];
+    };
+    const rows = read.osc.map((each) => [
+      each.to, each.rate_hz ? `${each.rate_hz} Hz` : "all frames", each.reached ? "✓ found" : "✕ not found", ...sentTo(each),
+    ]);
+    const clients = read.websocket.clients.map((each) => [each.to, `${each.dropped}`, ...sentTo(each)]);
+    before = new Map([...read.osc, ...read.websocket.clients].map(({ to, datagrams, bytes }) => [to, { datagrams, bytes, now }]));
     sent.replaceChildren(
       card("OSC and TUIO by UDP", rows.length ? table(["receiver and format", "rate limit", "address", "datagrams / s", "kB / s"], rows, [3, 4]) : el("p", {}, "Nothing is sent by UDP."),
         el("p", { className: "small" }, "Change the receivers in ", el("a", { href: "#settings" }, "Settings"), ". UDP has no receipt: look in your program whether touches arrive.")),
-      card("WebSocket", el("p", {}, read.websocket.url ? [el("code", {}, read.websocket.url), ` ${count(read.websocket.clients)}`] : "off")),
-      card("Zenoh", el("p", {}, read.zenoh.length ? read.zenoh.map((each) => el("code", {}, each)) : "off")),
+      card("WebSocket", read.websocket.url ? el("p", {}, "Browsers connect to ", el("code", {}, read.websocket.url), clients.length ? "" : ". No program is connected.") : el("p", {}, "off"),
+        clients.length ? table(["client and format", "dropped", "messages / s", "kB / s"], clients, [1, 2, 3]) : ""),
+      card("Zenoh", el("p", {}, read.zenoh.length ? ["Programs connect to ", ...read.zenoh.map((each) => el("code", {}, each)), ". Zenoh does not say who reads."] : "off")),
     );
     const state = JSON.stringify([read.pattern, read.patterns]);
     if (state !== shownPattern) {

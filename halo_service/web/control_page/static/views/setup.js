@@ -43,7 +43,7 @@ export function mount(root, service) {
 
   for (const [step, words] of Object.entries(STEPS)) {
     const row = new StepRow(step, words, service, corners, () => state, async () => {
-      if (name.value.trim() !== state?.profile) await use(name.value.trim());
+      if (state && name.value.trim() !== state.profile) await use(name.value.trim());
     });
     rows.set(step, row);
     list.append(row.element);
@@ -80,6 +80,9 @@ export function mount(root, service) {
       value.verdict && !value.running
         ? card("", el("p", { className: `prompt ${value.verdict.good ? "good" : "bad"}` }, `${value.verdict.good ? "✓" : "✕"} ${value.verdict.step}`),
           ...value.verdict.text.split("\n").map((line) => el("p", {}, line)),
+          value.verdict.points.length
+            ? el("details", {}, el("summary", {}, "Error at each touch"), el("ul", { className: "small" }, value.verdict.points.map((line) => el("li", {}, line))))
+            : "",
           value.verdict.map.length ? el("pre", { className: "map", role: "img", "aria-label": "What of the picture is measured" }, value.verdict.map.join("\n")) : "")
         : "",
       value.can_undo && service.operator
@@ -204,6 +207,10 @@ class StepRow {
   }
 
   show(state) {
+    if (this.step === "camera") {
+      const { serial, depth_mode, fps } = this.service.last.hello ?? {};
+      if (serial) this.extra.replaceChildren(el("p", { className: "small" }, `Camera ${serial}, ${depth_mode}, ${fps} frames a second. Another one: Settings, Source.`));
+    }
     const found = state.steps[this.step];
     this.result.textContent = found ? result(found) : "";
     this.start.textContent = found && !found.by_background ? "Do it again" : "Start";

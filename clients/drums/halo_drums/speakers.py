@@ -31,12 +31,21 @@ LATENCY_S = PERIODS * PERIOD_MS / 1000
 """Longest time that a hit waits for buffered sound."""
 SWITCH_S = 0.0005
 """Python's thread switch interval; its default of 5 ms is a whole block."""
+REMEDY = (
+    "plug one in, try --silent, use a sampler with --midi PORT, or write a recorded stream to a "
+    "file with --render OUT.wav"
+)
 
 
 class Speakers:
     """An open sound stream; a context manager. Raises `SoundError` without a device."""
 
-    def __init__(self, mixer: Mixer, backends: Sequence[miniaudio.Backend] = ()) -> None:
+    def __init__(
+        self,
+        mixer: Mixer,
+        backends: Sequence[miniaudio.Backend] = (),
+        remedy: str = REMEDY,
+    ) -> None:
         self._mixer = mixer
         self._gestures: queue.SimpleQueue[Gesture] = queue.SimpleQueue()
         self._ready = np.zeros((0, 2), np.float32)
@@ -62,10 +71,10 @@ class Speakers:
                     app_name="halo-drums",
                 )
         except miniaudio.MiniaudioError as error:
-            raise SoundError(_no_device(str(error.args[0]))) from error
+            raise SoundError(f"no sound device ({error.args[0]}); {remedy}") from error
         if self._device.backend == "Null" and miniaudio.Backend.NULL not in backends:
             self._device.close()
-            raise SoundError(_no_device("none was found"))
+            raise SoundError(f"no sound device (none was found); {remedy}")
         sys.setswitchinterval(SWITCH_S)
         # A full garbage collection takes longer than a block; exclude what is loaded by now.
         gc.collect()
@@ -117,10 +126,3 @@ class Speakers:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _no_device(why: str) -> str:
-    return (
-        f"no sound device ({why}); plug one in, try --silent, use a sampler "
-        "with --midi PORT, or write a recorded stream to a file with --render OUT.wav"
-    )

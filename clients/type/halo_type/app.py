@@ -53,6 +53,7 @@ examples:
   halo-type --from x.jsonl --seed 3 --render x.csv    the results of a recorded stream
 """
 FREE_TASK = "free"
+NO_SOUND = "plug one in, or use --silent"
 MOST_WAITING = 256
 """Keystrokes that wait for the next picture."""
 
@@ -145,7 +146,7 @@ def _run(options: argparse.Namespace, typist: Typist, path: Path) -> int:
     with ExitStack() as stack:
         receiver = stack.enter_context(halo_client.connect(options.source))
         stage = stack.enter_context(Stage(NAME, options.full_screen, options.display))
-        speakers = stack.enter_context(Speakers(Mixer(key_sounds()), backends))
+        speakers = stack.enter_context(Speakers(Mixer(key_sounds()), backends, NO_SOUND))
         try:
             App(receiver, stage, speakers, typist, save).run()
         finally:

@@ -143,13 +143,17 @@ def test_without_a_screen_there_is_one_sentence(run: Run, program: str, udp_port
     assert "no display to draw on" in error
 
 
-def test_without_a_sound_device_there_is_one_sentence(run: Run, udp_port: int) -> None:
+@pytest.mark.parametrize("program", ["halo-drums", "halo-type"])
+def test_without_a_sound_device_there_is_one_sentence(
+    run: Run, program: str, udp_port: int
+) -> None:
     if Path("/dev/snd").exists():
         pytest.skip("this machine has a sound device")
-    process = run("halo-drums", "--from", f"osc://127.0.0.1:{udp_port}")
+    process = run(program, "--from", f"osc://127.0.0.1:{udp_port}")
     _, error = process.communicate(timeout=20)
     assert process.returncode == 2
-    assert error.startswith("halo-drums: no sound device (")
+    assert error.startswith(f"{program}: no sound device (")
+    assert ("--midi" in error) == (program == "halo-drums")
     assert error.count("\n") == 1
 
 

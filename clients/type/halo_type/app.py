@@ -72,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         path = options.results or Path(time.strftime("typing-%Y%m%d-%H%M%S.csv"))
         if path.exists():
             raise FileExistsError(f"{path} exists; give another name with --results")
+        if not path.parent.is_dir():  # found now, not after the first phrase
+            raise FileNotFoundError(f"there is no folder {path.parent}; create it first")
         return _run(options, typist, path)
     except (
         ClientError, SoundError, StageError, LayoutError, PhrasesError, OSError,
@@ -183,10 +185,9 @@ def _trials(options: argparse.Namespace, layout: Layout) -> list[Trial]:
         int(np.random.SeedSequence().generate_state(1)[0]) if options.seed is None else options.seed
     )
     order = in_order_of_seed(phrases, seed)
-    tasks = [task for task in options.tasks.split(",") if task]
     return [
         Trial(task, number + 1, order[(at * options.count + number) % len(order)])
-        for at, task in enumerate(tasks)
+        for at, task in enumerate(options.tasks)
         for number in range(options.count)
     ]
 
@@ -211,6 +212,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--free", action="store_true", help="type what you want, without phrases")
     parser.add_argument(
         "--tasks",
+        type=_names,
         default="balanced",
         metavar="A,B",
         help="names of the tasks, one after the other (%(default)s)",
@@ -219,11 +221,11 @@ def _parser() -> argparse.ArgumentParser:
         "--count", type=_positive, default=8, metavar="N", help="phrases of each task (%(default)s)"
     )
     parser.add_argument(
-        "--seed", type=int, metavar="N", help="the same number gives the same order of phrases"
+        "--seed", type=_whole, metavar="N", help="the same number gives the same order of phrases"
     )
     parser.add_argument(
         "--pause",
-        type=float,
+        type=_seconds,
         metavar="S",
         help="a phrase also ends after a pause of S seconds, once half of it is typed",
     )
@@ -249,10 +251,32 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    if not names:
+        raise argparse.ArgumentTypeError("give at least one name")
+    return names
+
+
 def _positive(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("at least 1")
+    return round(_number(text, 1))
+
+
+def _whole(text: str) -> int:
+    return round(_number(text, 0))
+
+
+def _seconds(text: str) -> float:
+    return _number(text, 0.2)
+
+
+def _number(text: str, least: float) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not least <= number <= 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number from {least:g} on")
     return number
 
 

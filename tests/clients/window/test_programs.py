@@ -183,6 +183,10 @@ def test_without_midi_there_is_one_sentence(run: Run, udp_port: int) -> None:
         (("halo-type", "--render", "a.csv"), "needs a recorded stream"),
         (("halo-type", "--layout", "dvorak"), "choose from qwerty, qwertz, azerty"),
         (("halo-type", "--phrases", "none.txt"), "cannot read none.txt"),
+        (("halo-type", "--seed", "-3"), "'-3' is no number from 0 on"),
+        (("halo-type", "--tasks", ","), "give at least one name"),
+        (("halo-type", "--results", "none/a.csv"), "there is no folder none"),
+        (("halo-type", "--results", "/dev/null"), "/dev/null exists"),
         (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
         (
             ("halo", "demo", "flute"),

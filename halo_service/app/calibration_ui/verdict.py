@@ -68,7 +68,7 @@ FIGURES = {
         "the two most similar states differ by {:.1f} times the noise", f"from {GOOD_SIGMAS:g}"
     ),
     **{
-        f"touch {state}_mm_px": Figure(f"halo at {state} {{:.0f}} mm px")
+        f"touch {state}_mm_px": Figure(f"halo strength at {state} {{:.0f}} mm px")
         for state in ("hover", "subtle", "touch", "pressure", "hard")
     },
     "sweep samples": Figure("{:.0f} frames"),

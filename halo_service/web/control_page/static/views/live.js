@@ -37,12 +37,12 @@ export function mount(root, service) {
     strip.add(frame);
     if (performance.now() - listed > 250) {
       listed = performance.now();
-      list.replaceChildren(fingers(frame.pointers));
+      list.replaceChildren(fingers(frame.pointers, surface.scene));
     }
   };
   if (service.last.scene) showScene(service.last.scene);
   if (service.last.health) health.show(service.last.health);
-  list.replaceChildren(fingers([]));
+  list.replaceChildren(fingers([], surface.scene));
   const stops = [
     service.on("scene", showScene),
     service.on("frame", showFrame),
@@ -63,8 +63,11 @@ export function mount(root, service) {
 
 const round = (value, unit) => (value === null ? "-" : `${Math.round(value)} ${unit}`);
 
-function fingers(pointers) {
-  if (pointers.length === 0) return el("p", { className: "soft" }, "No finger is near the surface.");
+function fingers(pointers, { calibrated }) {
+  if (pointers.length === 0) {
+    const ready = calibrated === undefined || calibrated === "complete";
+    return el("p", { className: "soft" }, ready ? "No finger is near the surface." : "No touch is found before the touch step is done: open Set up.");
+  }
   return table(
     ["no.", "finger", "state", "height", "force", "sure"],
     pointers.map((each) => [

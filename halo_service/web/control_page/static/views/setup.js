@@ -26,8 +26,8 @@ const WAYS = {
 };
 const NUMBERS = {
   surface: [["width_mm", "width, mm", 300], ["height_mm", "height, mm", 200]],
-  touch: [["hover_mm", "height of the hover spacer, mm", ""], ["subtle_mm", "height of the subtle spacer, mm", ""], ["touch_g", "weight of a relaxed touch, g", ""], ["press_g", "weight of a medium press, g", ""], ["hard_g", "weight of a hard press, g (adds a fifth state)", ""]],
-  anchor: [["marker", "number of the marker", 0], ["size_mm", "side of its black square, mm", ""]],
+  touch: [["hover_mm", "height of the hover spacer, mm", "", "10"], ["subtle_mm", "height of the subtle spacer, mm", "", "1"], ["touch_g", "weight of a relaxed touch, g", "", "25"], ["press_g", "weight of a medium press, g", ""], ["hard_g", "weight of a hard press, g (adds a fifth state)", ""]],
+  anchor: [["marker", "number of the marker", 0], ["size_mm", "side of its black square, mm", "", "80"]],
 };
 
 export function mount(root, service) {
@@ -80,10 +80,16 @@ export function mount(root, service) {
       value.verdict && !value.running
         ? card("", el("p", { className: `prompt ${value.verdict.good ? "good" : "bad"}` }, `${value.verdict.good ? "✓" : "✕"} ${value.verdict.step}`),
           ...value.verdict.text.split("\n").map((line) => el("p", {}, line)),
+          value.verdict.good && value.steps[value.verdict.step]?.quality === "fair"
+            ? el("p", {}, "◐ Fair: it works. Do the step again if you want better touches.")
+            : "",
           value.verdict.points.length
             ? el("details", {}, el("summary", {}, "Error at each touch"), el("ul", { className: "small" }, value.verdict.points.map((line) => el("li", {}, line))))
             : "",
-          value.verdict.map.length ? el("pre", { className: "map", role: "img", "aria-label": "What of the picture is measured" }, value.verdict.map.join("\n")) : "")
+          value.verdict.map.length ? el("pre", { className: "map", role: "img", "aria-label": "What of the picture is measured" }, value.verdict.map.join("\n")) : "",
+          value.verdict.good && following(value) && service.operator
+            ? el("p", {}, button(`Next: ${title(following(value))}`, () => rows.get(following(value)).run(), { className: "main", off: () => Boolean(state.running) }))
+            : "")
         : "",
       value.can_undo && service.operator
         ? el("p", {}, button("Undo the last step", async () => show(await service.call("wizard-undo"))))
@@ -134,6 +140,9 @@ function result({ quality, text, date, by_background, outdated }) {
   return `${mark}, ${when(date)}. ${text}`;
 }
 
+// The next step that is not done; undefined: all are, but for optional ones.
+const following = (state) => Object.keys(STEPS).find((step) => !state.steps[step] && !OPTIONAL.includes(step));
+
 class StepRow {
   constructor(step, words, service, corners, state, ready) {
     Object.assign(this, { step, service, corners, ready });
@@ -169,9 +178,9 @@ class StepRow {
       this.by = el("select", { id, onchange: () => this.showCorners() }, WAYS[this.step].map(([value, words]) => el("option", { value }, words)));
       parts.push(el("div", { className: "row" }, el("label", { htmlFor: id }, "Way"), this.by));
     }
-    const numbers = (NUMBERS[this.step] ?? []).map(([key, words, value]) => {
+    const numbers = (NUMBERS[this.step] ?? []).map(([key, words, value, usual]) => {
       const id = `${this.step}-${key}`;
-      const input = el("input", { id, type: "number", step: "any", min: 0, value });
+      const input = el("input", { id, type: "number", step: "any", min: 0, value, placeholder: usual });
       this.inputs.set(key, input);
       return el("div", { className: "row" }, el("label", { htmlFor: id }, words), input);
     });
@@ -214,8 +223,7 @@ class StepRow {
     const found = state.steps[this.step];
     this.result.textContent = found ? result(found) : "";
     this.start.textContent = found && !found.by_background ? "Do it again" : "Start";
-    const next = found ? null : Object.keys(STEPS).find((step) => !state.steps[step] && !OPTIONAL.includes(step));
-    this.start.classList.toggle("main", next === this.step);
+    this.start.classList.toggle("main", following(state) === this.step);
     this.start.disabled = Boolean(state.running);
     if (this.screen) {
       this.screen.textContent = state.screen

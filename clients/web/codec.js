@@ -36,7 +36,7 @@ const ROWS = Object.fromEntries(
     up: "id:i slot:i u:f v:f ago_ms:f contacts:i",
     scene:
       "node:s session:s version:s width_mm:f height_mm:f calibration:i revision:i source:i " +
-      "rate_hz:f control_port:i collision:i",
+      "rate_hz:f control_port:i collision:i calibrated_s:i",
     homography: "node:s session:s revision:i width_px:i height_px:i projector_from_surface:f9",
     pose:
       "node:s session:s revision:i camera_from_surface:f12 anchor_from_surface:f12 anchored:i",
@@ -218,6 +218,7 @@ function checkScene(message) {
   require(/^\d{1,4}\.\d{1,4}\.\d{1,4}$/.test(message.version), "version must be major.minor.patch");
   checkRange(message, "collision", 0, 1);
   checkRange(message, "control_port", 0, 65535);
+  checkRange(message, "calibrated_s", 0, Infinity);
   require(message.width_mm > 0 && message.height_mm > 0, "the size of a surface must be positive");
 }
 

@@ -151,6 +151,10 @@ class Anchor:
     to its right, y to its bottom and z into it."""
 
 
+CHANGING = ("background", "surface", "touch", "sweep", "projector")
+"""Steps that change where and when touches are found, so that they must be verified again."""
+
+
 @dataclass(frozen=True, slots=True)
 class StepRecord:
     """How one step of the calibration went."""
@@ -194,6 +198,11 @@ class Profile:
     def calibrated(self) -> Calibrated:
         """`complete` when touches can be read with it."""
         return "partial" if self.touch is None else "complete"
+
+    @property
+    def changed(self) -> str:
+        """Date of the newest step that changes touches, as in its record; empty if unknown."""
+        return max((each.date for name, each in self.steps.items() if name in CHANGING), default="")
 
     def states(self, side: Side) -> TouchStates | None:
         """Return the four states that hold for a hand."""

@@ -76,6 +76,8 @@ def _scene(message: Scene) -> None:
     _require(message.collision in (0, 1), f"collision must be 0 or 1, not {message.collision}")
     port = message.control_port
     _require(0 <= port < 2**16, f"control_port must be 0 to 65535, not {port}")
+    calibrated_s = message.calibrated_s
+    _require(calibrated_s >= 0, f"calibrated_s must be 0 or more, not {calibrated_s}")
     _require(
         message.width_mm > 0 and message.height_mm > 0,
         f"the size of a surface must be positive, not {size}",

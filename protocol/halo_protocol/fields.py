@@ -53,6 +53,7 @@ _RANGES: dict[str, Range] = {
     "rate_hz": _FROM_0,
     "control_port": Range(0, 65_535),
     "collision": _SWITCH,
+    "calibrated_s": Range(0, _LARGEST_INT),
     "width_px": Range(1, _LARGEST_INT),
     "height_px": Range(1, _LARGEST_INT),
     "anchored": _SWITCH,

@@ -232,6 +232,8 @@ class Scene:
     """UDP port of the service for messages from clients; 0 if it has none."""
     collision: int = 0
     """1 if another service with the same node name was found, else 0."""
+    calibrated_s: int = 0
+    """Unix time of the newest step of the calibration; 0 if unknown."""
 
 
 @dataclass(frozen=True, slots=True)

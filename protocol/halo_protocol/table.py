@@ -31,7 +31,7 @@ UP = "id:i slot:i u:f v:f ago_ms:f contacts:i"  # append; never reorder
 SCENE = (
     "node:s session:s version:s width_mm:f height_mm:f "
     "calibration:i revision:i source:i rate_hz:f "
-    "control_port:i collision:i"  # append; never reorder
+    "control_port:i collision:i calibrated_s:i"  # append; never reorder
 )
 HOMOGRAPHY = (
     "node:s session:s revision:i width_px:i height_px:i "

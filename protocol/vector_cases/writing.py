@@ -99,7 +99,7 @@ FRAMES = [
     ),
 ]
 
-SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0, 4257, 0)
+SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0, 4257, 0, UNIX_S - 86_400)
 _MATRIX_3X3 = (6.5, 0.125, -40.0, -0.0625, 6.25, 12.5, 0.0009765625, -0.00048828125, 1.0)
 _MATRIX_3X4 = (1.0, 0.0, 0.0, -150.0, 0.0, 0.75, -0.5, -100.0, 0.0, 0.5, 0.75, 520.0)
 
@@ -113,7 +113,7 @@ REPORTS = [
     ReportCase(
         "scene-recording",
         "A recording without a profile; the bundle carries a time.",
-        replace(SCENE, source=1, calibration=0),
+        replace(SCENE, source=1, calibration=0, calibrated_s=0),
         time_us=UNIX_S * 1_000_000 + 250_000,
     ),
     ReportCase(

@@ -12,7 +12,7 @@ from halo_service.app.service.publisher import Publisher
 from halo_service.host_clock import HostClock
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.outgoing import Outgoing
-from halo_service.profile import Anchor, Profile, Projector
+from halo_service.profile import Anchor, Profile, Projector, StepRecord
 from halo_service.runtime.health import Health
 from halo_service.sensing import SensingSettings, start
 from halo_service.values import TouchFrame
@@ -59,6 +59,24 @@ def test_nothing_is_said_of_what_is_not_known(profile: Profile, camera) -> None:
     assert set(heard) == {"scene", "pose"}
     assert heard["pose"].anchored == 0
     assert heard["pose"].anchor_from_surface == (0.0,) * 12
+
+
+@pytest.mark.parametrize(
+    ("dates", "unix_s"),
+    [
+        ({}, 0),
+        ({"touch": "1970-01-02T00:00:00Z", "sweep": "1970-01-02T00:00:05Z"}, 86_405),
+        ({"touch": "1970-01-02T00:00:00Z", "verify": "1970-01-03T00:00:00Z"}, 86_400),
+        ({"touch": "yesterday"}, 0),
+    ],
+)
+def test_the_scene_dates_the_newest_step_that_changes_touches(
+    profile: Profile, camera, dates: dict[str, str], unix_s: int
+) -> None:
+    steps = {name: StepRecord(date, "good", {}) for name, date in dates.items()}
+    heard = published(replace(profile, steps=steps), camera)
+    assert heard["scene"].calibrated_s == unix_s
+    assert published(None, camera)["scene"].calibrated_s == 0
 
 
 def test_projector_and_anchor_go_out_with_the_scenes_revision(profile: Profile, camera) -> None:

@@ -62,6 +62,7 @@ UNSENDABLE = [
     ("a session time too large", HEADER, {"session_ms": 2**24}),
     ("a session like a number", HEADER, {"session": "1e205678"}),
     ("half a collision", SCENE, {"collision": 2}),
+    ("a calibration before time", SCENE, {"calibrated_s": -1}),
     ("a control port that does not exist", SCENE, {"control_port": 65_536}),
     ("a million microseconds", HEADER, {"time_frac_us": 1_000_000}),
 ]

@@ -26,7 +26,7 @@ RELEASED = {
     "down": "id slot u v strike_mm_s ago_ms contacts",
     "up": "id slot u v ago_ms contacts",
     "scene": "node session version width_mm height_mm calibration revision source rate_hz "
-    "control_port collision",
+    "control_port collision calibrated_s",
     "homography": "node session revision width_px height_px projector_from_surface",
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
@@ -184,6 +184,7 @@ def test_ranges_hold_for_all_vectors() -> None:
     ("name", "unit"),
     [
         ("x_mm", "mm"), ("vx_mm_s", "mm/s"), ("time_s", "s"), ("time_frac_us", "us"),
+        ("calibrated_s", "s"),
         ("session_ms", "ms"), ("force_g", "g"), ("rate_hz", "Hz"), ("width_px", "px"), ("u", ""),
         ("contacts", ""), ("collision", ""), ("version", ""),
     ],

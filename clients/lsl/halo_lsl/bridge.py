@@ -64,14 +64,14 @@ class Bridge:
         frame_s = frame.time_us / 1e6
         self._clock.read(frame_s, now)
         if self._output is None:
-            self._wait(frame)
+            self._wait(frame, now)
         if frame.session != self._session and self._output is not None:
             self._session = frame.session
             self._mark(f"service/session/{frame.session}", self._clock.to_lsl(frame_s))
         if self._output is not None:
             self._push(frame, self._output)
 
-    def _wait(self, frame: TouchFrame) -> None:
+    def _wait(self, frame: TouchFrame, now: Arrival) -> None:
         """Create the streams once everything for their description has arrived."""
         self._delays_s.append(self._clock.pipeline_s)
         count = len(self._delays_s)
@@ -80,7 +80,15 @@ class Bridge:
         rate_hz = DEFAULT_RATE_HZ if self._scene is None else self._scene.rate_hz
         rate_hz = rate_hz or DEFAULT_RATE_HZ
         delay_s = median(self._delays_s)
-        setup = Setup(frame.node, frame.surface, self._scene, rate_hz, self._clock.kind, delay_s)
+        setup = Setup(
+            frame.node,
+            frame.surface,
+            self._scene,
+            rate_hz,
+            self._clock.kind,
+            delay_s,
+            now.unix_s,
+        )
         self._regular = Regular(rate_hz)
         self._output = self._create(setup)
 

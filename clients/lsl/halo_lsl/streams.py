@@ -7,6 +7,7 @@ Rule: values and pure functions. Element names are those of XDF's meta-data page
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 from halo_lsl.clock import Kind
@@ -102,6 +103,8 @@ class Setup:
     clock: Kind
     pipeline_s: float
     """Median from exposure to arrival, over the frames before the streams were created."""
+    created_s: float
+    """Unix time of their creation."""
 
 
 def source_id(stream: Stream, setup: Setup) -> str:
@@ -123,7 +126,7 @@ def description(stream: Stream, setup: Setup) -> Tree:
             "model": "halo-lsl",
             "node": setup.node,
             "surface": setup.surface,
-            **_scene(setup.scene),
+            **_scene(setup.scene, setup.created_s),
         },
         "synchronization": {
             "time_source": f"exposure of the frame, by its Unix time ({setup.clock})",
@@ -134,7 +137,7 @@ def description(stream: Stream, setup: Setup) -> Tree:
     }
 
 
-def _scene(scene: Scene | None) -> Tree:
+def _scene(scene: Scene | None, now_s: float) -> Tree:
     if scene is None:
         return {"source": "unknown", "calibration": {"state": "unknown"}}
     return {
@@ -143,6 +146,7 @@ def _scene(scene: Scene | None) -> Tree:
         "calibration": {
             "state": _word(Calibration, scene.calibration),
             "revision": str(scene.revision),
+            **_age(scene, now_s),
         },
         "surface_size": {
             "width": f"{scene.width_mm:g}",
@@ -150,6 +154,14 @@ def _scene(scene: Scene | None) -> Tree:
             "unit": "millimeters",
         },
     }
+
+
+def _age(scene: Scene, now_s: float) -> Tree:
+    """Date and age of the calibration; nothing if the service does not report its date."""
+    if not scene.calibrated_s:
+        return {}
+    date = datetime.fromtimestamp(scene.calibrated_s, UTC).isoformat().replace("+00:00", "Z")
+    return {"date": date, "age_s": f"{now_s - scene.calibrated_s:.0f}"}
 
 
 def _word(kind: Any, number: int) -> str:

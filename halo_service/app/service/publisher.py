@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from datetime import datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,6 +93,7 @@ class Publisher:
             float(self._camera.fps),
             self._control_port,
             collision=int(self._names is not None and self._names.collision(time.monotonic())),
+            calibrated_s=_unix_s(profile.changed) if profile else 0,
         )
         self._send(OutgoingReport(self._surface, scene))
         if profile is not None:  # after the scene: they refer to its revision
@@ -147,6 +149,14 @@ class Publisher:
         for carrier in self._carriers:
             with self._errors.guard(f"output {type(carrier).__name__}"):  # the others still send
                 carrier.send(outgoing)
+
+
+def _unix_s(date: str) -> int:
+    """Return the Unix time of a step's date; 0 if it has none or an odd one."""
+    try:
+        return max(0, int(datetime.fromisoformat(date).timestamp()))
+    except ValueError:
+        return 0
 
 
 def _numbers(matrix: NDArray[np.float64]) -> tuple[float, ...]:

@@ -97,7 +97,11 @@ class Log:
 
 
 def scene(revision: int = 1) -> Report:
-    return Report("table", Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, revision, 2, 30.0))
+    size = (300.0, 200.0)
+    return Report(
+        "table",
+        Scene("desk", "s1", "1.0.0", *size, 2, revision, 2, 30.0, calibrated_s=86_400),
+    )
 
 
 def bridged(events: list[Event]) -> Log:
@@ -114,7 +118,9 @@ def test_the_streams_are_created_once_and_describe_the_service(wire: Any) -> Non
     (setup,) = bridged([frames[0], scene(), *frames[1:], scene()]).setups
     tree = description(POINTERS, setup)
     assert tree["acquisition"]["source"] == "virtual"
-    assert tree["acquisition"]["calibration"] == {"state": "complete", "revision": "1"}
+    calibration = tree["acquisition"]["calibration"]
+    assert calibration.pop("age_s") == f"{setup.created_s - 86_400:.0f}"
+    assert calibration == {"state": "complete", "revision": "1", "date": "1970-01-02T00:00:00Z"}
     assert tree["acquisition"]["surface_size"]["width"] == "300"
     assert tree["synchronization"]["can_drop_samples"] == "true"
     channels = tree["channels"]["channel"]

@@ -8,9 +8,6 @@ from halo_calibration.steps.background import BY_BACKGROUND
 from halo_service.app.calibration_ui.verdict import step_sentence
 from halo_service.profile import Profile, StepRecord
 
-CHANGING = ("background", "surface", "touch", "sweep", "projector")
-"""Steps that change where and when touches are found, so that they must be verified again."""
-
 
 def found(profile: Profile | None, camera: StepRecord | None) -> dict[str, Any]:
     """Return the result of each step, by its name.
@@ -20,7 +17,7 @@ def found(profile: Profile | None, camera: StepRecord | None) -> dict[str, Any]:
     records = dict(profile.steps) if profile else {}
     if camera is not None:
         records.setdefault("camera", camera)
-    newest = max((each.date for name, each in records.items() if name in CHANGING), default="")
+    newest = profile.changed if profile else ""
     return {
         name: {
             "quality": record.quality,

@@ -59,7 +59,7 @@ static class View
         Text("version", scene.Version) + Field("width_mm", scene.WidthMm) + Field("height_mm", scene.HeightMm) +
         Word("calibration", scene.Calibration) + Field("revision", scene.Revision) + Word("source", scene.Source) +
         Field("rate_hz", scene.RateHz) + Field("control_port", scene.ControlPort) +
-        Field("collision", scene.Collision ? 1 : 0);
+        Field("collision", scene.Collision ? 1 : 0) + Field("calibrated_s", scene.CalibratedS);
 
     static string Homography(HaloHomography found) =>
         Field("revision", found.Revision) + Field("width_px", found.WidthPx) + Field("height_px", found.HeightPx) +

@@ -74,13 +74,14 @@ namespace HaloTouch.Internal
 
         static void WriteScene(JsonFields line, OscWriter into)
         {
-            into.Element(Address(line, "scene"), ",sssffiiifii");
+            into.Element(Address(line, "scene"), ",sssffiiifiii");
             Sender(line, into).Text(line.Text("version"));
             Floats(line, into, "width_mm", "height_mm");
             into.Int(line.Word<HaloCalibration>("calibration")).Int(line.Int("revision"));
             into.Int(line.Word<HaloSource>("source"));
             Floats(line, into, "rate_hz");
-            into.Int(line.Int("control_port")).Int(line.Int("collision")).EndElement();
+            into.Int(line.Int("control_port")).Int(line.Int("collision"));
+            into.Int(line.Int("calibrated_s")).EndElement();
         }
 
         static void WriteHomography(JsonFields line, OscWriter into)

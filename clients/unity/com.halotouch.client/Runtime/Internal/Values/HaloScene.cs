@@ -36,10 +36,13 @@ namespace HaloTouch
         /// <summary>Whether the service has found another one with its name.</summary>
         public bool Collision { get; }
 
+        /// <summary>Unix time of the newest step of the calibration, s; 0 if unknown.</summary>
+        public int CalibratedS { get; }
+
         internal HaloScene(
             string node, string session, string version, float widthMm, float heightMm,
             HaloCalibration calibration, int revision, HaloSource source, float rateHz,
-            int controlPort, bool collision)
+            int controlPort, bool collision, int calibratedS)
         {
             Node = node;
             Session = session;
@@ -52,6 +55,7 @@ namespace HaloTouch
             RateHz = rateHz;
             ControlPort = controlPort;
             Collision = collision;
+            CalibratedS = calibratedS;
         }
     }
 }

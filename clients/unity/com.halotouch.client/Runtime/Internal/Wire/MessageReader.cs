@@ -130,7 +130,7 @@ namespace HaloTouch.Internal
 
         void ReadScene(ref OscReader reader, string surface, Datagram into)
         {
-            var further = reader.Tags(",sssffiiifii");
+            var further = reader.Tags(",sssffiiifiii");
             var node = reader.Name(_names, NameKind.Node);
             var session = reader.Name(_names, NameKind.Session);
             var version = reader.Name(_names, NameKind.Version);
@@ -141,14 +141,16 @@ namespace HaloTouch.Internal
             var rateHz = reader.Float();
             var port = reader.Int();
             var collision = reader.Int();
+            var calibratedS = reader.Int();
             RequireEnd(ref reader, further);
             reader.Require(widthMm > 0 && heightMm > 0, "the size of a surface must be positive");
             reader.Require(port >= 0 && port < 65536, "control_port is out of range");
             reader.Require(collision == 0 || collision == 1, "collision must be 0 or 1");
+            reader.Require(calibratedS >= 0, "calibrated_s must be 0 or more");
             if (reader.Error == null)
                 into.AddReport(ItemKind.Scene, surface).Scene = new HaloScene(
                     node, session, version, widthMm, heightMm, calibration, revision, source, rateHz,
-                    port, collision == 1);
+                    port, collision == 1, calibratedS);
         }
 
         void ReadHomography(ref OscReader reader, string surface, Datagram into)

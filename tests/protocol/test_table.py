@@ -38,7 +38,7 @@ RELEASED_TAGS = {
     "alive": "",
     "down": "iiffffi",
     "up": "iifffi",
-    "scene": "sssffiiifii",
+    "scene": "sssffiiifiii",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
     "health": "ssffiiiififiiii",

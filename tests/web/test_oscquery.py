@@ -74,7 +74,7 @@ EXPECTED: list[tuple[str, dict[str, Any]]] = [
         {
             "TYPE": "f", "ACCESS": 3, "VALUE": [100.0], "RANGE": [{"MIN": 0.0}],
             "UNIT": ["distance.mm"],
-            "DESCRIPTION": "Up to this height above the surface a fingertip is a pointer.",
+            "DESCRIPTION": "A fingertip is reported up to this height above the surface.",
         },
     ),
     (

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil
+from pathlib import Path
 
 from halo_service.app.cameras import choose, first_camera
 from halo_service.errors import UserError, suggestion
@@ -102,6 +103,8 @@ def _opener(kind: str, name: str, settings: SourceSettings, serial: str) -> Call
         from halo_service.sources.recording import Recording
 
         path = from_home(rest)
+        if path.suffix == ".bag":
+            return _bag_opener(path, settings)
         return lambda: Recording(path, realtime=not settings.fast, loop=settings.loop)
     if kind == "sim":
         from halo_service.virtual.live import VirtualKinect
@@ -111,6 +114,14 @@ def _opener(kind: str, name: str, settings: SourceSettings, serial: str) -> Call
         return lambda: VirtualKinect(request)
     hint = suggestion(name, KNOWN) or f"choose from: {', '.join(KNOWN)}"
     raise UserError(f"source: unknown source '{name}'; {hint}")
+
+
+def _bag_opener(path: Path, settings: SourceSettings) -> Callable[[], Source]:
+    from halo_service.sources.orbbec.bag import Bag
+
+    if settings.loop:
+        raise UserError(f"--loop does not work with {path}: make it a .mkv with 'halo record'")
+    return lambda: Bag(path, realtime=not settings.fast)
 
 
 def _camera_opener(name: str, serial: str) -> Callable[[], Source]:

@@ -18,6 +18,7 @@ from halo_service.errors import UserError
 from halo_service.sources import EndOfSource, Source, SourceLost, azure_kinect
 from halo_service.sources.azure_kinect import AzureKinect
 from halo_service.sources.camera_name import CameraOptions
+from halo_service.sources.orbbec.bag import Bag
 from halo_service.sources.orbbec.femto import Femto
 from halo_service.sources.recording import Recording
 from halo_service.values import BadFrame, Frame
@@ -27,7 +28,7 @@ from tests.sources.cameras.kinect_fake import KinectBench
 from tests.sources.cameras.orbbec_fake import OrbbecBench
 
 SMALL = CameraOptions(mode="NFOV_2X2BINNED")
-SOURCES = ("azure-kinect", "femto-bolt", "recording", "sim")
+SOURCES = ("azure-kinect", "femto-bolt", "bag", "recording", "sim")
 DEVICES = ("azure-kinect", "femto-bolt")
 
 
@@ -56,6 +57,11 @@ def setup(request, monkeypatch, small_camera, small_frames, small_recording) -> 
     if request.param == "sim":
         fast = "sim:demo,mode=NFOV_2X2BINNED,sensor=kind"
         return Setup(lambda _: VirtualKinect(parse_sim_url(fast)), *[no_device] * 3)
+    if request.param == "bag":
+        playback = OrbbecBench(small_camera, small_frames)
+        return Setup(
+            lambda _: Bag(small_recording, realtime=False, sdk=playback.sdk), *[no_device] * 3
+        )
     if request.param == "azure-kinect":
         kinects = KinectBench(small_camera, small_frames)
         monkeypatch.setattr(azure_kinect, "_sdk", lambda: kinects)
@@ -175,7 +181,7 @@ def test_a_capture_without_an_image_is_a_bad_frame_among_good_ones(
     assert bad.reason == f"no {lacks} in this capture"
 
 
-@every("recording")
+@every("recording", "bag")
 def test_a_recording_has_an_end(setup: Setup) -> None:
     with closing(setup.open(SMALL)) as source, pytest.raises(EndOfSource):
         captures(source, 1000)

@@ -11,6 +11,7 @@ import pytest
 
 from halo_service.errors import UserError
 from halo_service.sources.camera_name import CameraOptions
+from halo_service.sources.orbbec.bag import Bag
 from halo_service.sources.orbbec.femto import Femto
 from halo_service.sources.orbbec.sdk import PRODUCTS
 from halo_service.sources.usb import CAMERAS, ORBBEC
@@ -63,7 +64,7 @@ def test_the_fakes_have_no_name_that_the_installed_sdk_lacks() -> None:
         "OBCameraDistortionModel": ("BROWN_CONRADY_K6", "BROWN_CONRADY", "NONE"),
         "Context": ("set_logger_to_console", "set_logger_to_file"),
         "Config": ("enable_stream", "set_frame_aggregate_output_mode"),
-        "PlaybackDevice": ("get_playback_status", "set_playback_status_change_callback"),
+        "OBPlaybackStatus": ("STOPPED", "PLAYING"),
     }.items():
         assert set(names) <= set(dir(getattr(module, group))), group
 
@@ -211,6 +212,15 @@ def test_the_reason_of_the_sdk_is_shown(bench) -> None:
 def test_a_mega_in_the_network_that_does_not_answer_is_one_sentence(bench) -> None:
     with pytest.raises(UserError, match=r"no Femto Mega answers at 192\.168\.1\.10"):
         Femto("femto-mega", CameraOptions(**BINNED, address="192.168.1.10"), bench.sdk)
+
+
+def test_a_bag_that_the_sdk_cannot_play_is_one_sentence(tmp_path: Path) -> None:
+    real()
+    with pytest.raises(UserError, match="does not exist"):
+        Bag(tmp_path / "no.bag", realtime=False)
+    (tmp_path / "other.bag").write_bytes(b"#ROSBAG V2.0\n" + bytes(4000))
+    with pytest.raises(UserError, match=r"other\.bag cannot be played by the SDK of Orbbec"):
+        Bag(tmp_path / "other.bag", realtime=False)
 
 
 def test_without_the_extra_the_error_names_the_command() -> None:

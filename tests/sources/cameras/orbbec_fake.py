@@ -104,6 +104,15 @@ class FakeDevice:
         return found
 
 
+class FakePlaybackDevice(FakeDevice):
+    """A `.bag` with the bench's frames."""
+
+    def get_playback_status(self):
+        states = self.bench.ob.OBPlaybackStatus
+        ended = self.bench.pipelines[-1].shown >= len(self.bench.frames)
+        return states.STOPPED if ended else states.PLAYING
+
+
 class FakeVideoStreamProfile:
     def __init__(self, bench, lens: Lens, extrinsic=None):
         self.bench, self.lens, self.extrinsic = bench, lens, extrinsic
@@ -114,6 +123,9 @@ class FakeVideoStreamProfile:
 
     def get_height(self):
         return self.lens.height
+
+    def get_fps(self):
+        return 30
 
     def get_intrinsic(self):
         found = self.bench.ob.OBCameraIntrinsic()
@@ -140,6 +152,9 @@ class FakeStreamProfileList:
     def get_video_stream_profile(self, width, height, form, fps):
         if (width, height, fps) != (self.profile.get_width(), self.profile.get_height(), 30):
             raise self.bench.ob.OBError("no matched video stream profile")
+        return self.profile
+
+    def get_default_video_stream_profile(self):
         return self.profile
 
 
@@ -169,14 +184,18 @@ class FakePipeline:
     def wait_for_frames(self, timeout_ms):
         assert isinstance(timeout_ms, int)
         assert timeout_ms > 0
-        if self.device not in self.bench.devices:
+        if isinstance(self.device, FakePlaybackDevice):
+            if self.shown >= len(self.bench.frames):
+                return None
+        elif self.device not in self.bench.devices:
             return None  # the SDK waits in vain for a camera that was unplugged
         self.shown += 1
         return self.bench.frame_set(self.shown)
 
     def stop(self):
         self.stopped += 1
-        if self.device not in self.bench.devices:
+        gone = self.device not in self.bench.devices
+        if gone and not isinstance(self.device, FakePlaybackDevice):
             raise self.bench.ob.OBError("camera disconnected")
 
 
@@ -243,6 +262,9 @@ class _Module:
     def __getattr__(self, name):
         return getattr(self._bench.ob, name)
 
+    def PlaybackDevice(self, file):  # noqa: N802 - the SDK's name
+        return FakePlaybackDevice(self._bench, "B")
+
     def Pipeline(self, device):  # noqa: N802 - the SDK's name
         self._bench.pipelines.append(FakePipeline(self._bench, device))
         return self._bench.pipelines[-1]
@@ -257,5 +279,6 @@ FAKES = {
     "StreamProfileList": FakeStreamProfileList,
     "Config": FakeConfig,
     "Pipeline": FakePipeline,
+    "PlaybackDevice": FakePlaybackDevice,
 }
 """Each fake class, by the name of the real one."""

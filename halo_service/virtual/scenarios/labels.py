@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,8 +42,29 @@ class Label:
     """(N, 2) on the surface."""
 
 
+class Event(NamedTuple):
+    """One line of a label file."""
+
+    time_s: float
+    """Unix time."""
+    kind: str
+    """`touchdown`, `touchmove` or `touchend`."""
+    x: float
+    y: float
+    """Points of the tablet; 0, 0 for an end."""
+
+
+Way = list[Event]
+"""The events of one touch, its end last."""
+
+
 def read(path: Path) -> list[Label]:
     """Touches in order of their beginning. Raises UserError for a file without any."""
+    return _fitted(raw_touches(path))
+
+
+def raw_touches(path: Path) -> list[Way]:
+    """Touches in the tablet's own points and time. Raises UserError for a file without any."""
     try:
         lines = read_text(path).splitlines()
     except (OSError, ValueError) as error:
@@ -50,23 +72,24 @@ def read(path: Path) -> list[Label]:
         raise UserError(
             f"The label file {path} cannot be read ({reason}); give `labels=FILE`."
         ) from None
-    touches: dict[str, list[tuple[float, str, float, float]]] = {}
+    touches: dict[str, Way] = {}
     for line in lines:
         parts = line.strip().split(",")
         if len(parts) == 5:
-            number, event, x, y, ms = parts
-            touches.setdefault(number, []).append((float(ms) / 1e3, event, float(x), float(y)))
+            number, kind, x, y, ms = parts
+            event = Event(float(ms) / 1e3, kind, float(x), float(y))
+            touches.setdefault(number, []).append(event)
     # At equal times `touchdown` sorts before `touchmove`, and an end's place (0, 0) counts not.
-    ways = [sorted(t, key=lambda e: (e[1] == "touchend", e[0])) for t in touches.values()]
-    ways = [way for way in ways if any(e[1] == "touchdown" for e in way)]
+    ways = [sorted(t, key=lambda e: (e.kind == "touchend", e.time_s)) for t in touches.values()]
+    ways = [way for way in ways if any(e.kind == "touchdown" for e in way)]
     if not ways:
         raise UserError(f"{path} holds no touches; its lines are: id,event,x,y,epoch_ms.")
-    return _fitted(sorted(ways, key=lambda way: min(e[0] for e in way)))
+    return sorted(ways, key=lambda way: min(e.time_s for e in way))
 
 
-def _fitted(ways: list[list[tuple[float, str, float, float]]]) -> list[Label]:
+def _fitted(ways: list[Way]) -> list[Label]:
     """Scale places to the surface, and start at LEAD_S with no pause longer than GAP_S."""
-    places = np.array([e[2:4] for way in ways for e in way if e[1] != "touchend"])
+    places = np.array([(e.x, e.y) for way in ways for e in way if e.kind != "touchend"])
     low, size = places.min(axis=0), np.maximum(np.ptp(places, axis=0), 1.0)
     room = np.array([WIDTH_MM, HEIGHT_MM]) - 2.0 * EDGE_MM
     scale = float((room / size).min())
@@ -74,14 +97,14 @@ def _fitted(ways: list[list[tuple[float, str, float, float]]]) -> list[Label]:
     labels: list[Label] = []
     ended = shift = 0.0
     for way in ways:
-        moves = [e for e in way if e[1] != "touchend"]
-        begin, end = min(e[0] for e in way), max(e[0] for e in way)
+        moves = [e for e in way if e.kind != "touchend"]
+        begin, end = min(e.time_s for e in way), max(e.time_s for e in way)
         if not labels:
             shift = begin - LEAD_S
         shift += max(0.0, begin - shift - max(ended, LEAD_S) - GAP_S)
         from_s, to_s = begin - shift, max(end - shift, begin - shift + LEAST_S)
-        times = np.clip(np.array([e[0] for e in moves]) - shift, from_s, to_s)
-        where = margin + (np.array([e[2:4] for e in moves]) - low) * scale
+        times = np.clip(np.array([e.time_s for e in moves]) - shift, from_s, to_s)
+        where = margin + (np.array([(e.x, e.y) for e in moves]) - low) * scale
         labels.append(Label(from_s, to_s, times, where))
         ended = max(ended, to_s)
     return labels

@@ -34,7 +34,7 @@ class Prompt(NamedTuple):
 
     name: str
     """background, hover, subtle, touch, pressure, hard, sweep or pilot; sheet, corner, board, cross
-    or marker."""
+    or marker; of first light: spot, tap, level or away."""
     words: str
     pitch_deg: float = 45.0
     """The wedge's."""
@@ -44,6 +44,12 @@ class Prompt(NamedTuple):
     """Where a cross is, in the projector's pixels."""
     board: Printed | None = None
     """What lies on the table."""
+    at_mm: tuple[float, float] = (0.0, 0.0)
+    """Where a touch or tap is, on the surface."""
+    height_mm: float = 0.0
+    """Of a level."""
+    force_g: float = 0.0
+    """Of a level in touch."""
 
 
 PROMPTS = {

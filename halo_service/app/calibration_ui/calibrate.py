@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from halo_calibration.base_model import choose_base, pilot_path, read_base, write_base
-from halo_calibration.guided.guide import GuidedCalibration
+from halo_calibration.guided.guide import GuidedCalibration, Prompt
 from halo_calibration.guided.pilot import merged, pilot_rounds, pilot_samples
 from halo_calibration.guided.projector import Screen
 from halo_calibration.observe import DetectHands
@@ -53,8 +53,16 @@ class CalibrateRequest:
     """How surface, projector and anchor are found."""
 
 
-def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
-    """Run one step or all that are missing; return the profile's folder."""
+MakeTerminal = Callable[[Callable[[Prompt], None] | None], Terminal]
+
+
+def calibrate(
+    settings: Settings, request: CalibrateRequest, terminal: MakeTerminal = Terminal
+) -> Path:
+    """Run one step or all that are missing; return the profile's folder.
+
+    `terminal` makes what prompts, of what makes a virtual user follow.
+    """
     if not settings.profile:
         raise UserError("calibrate: name a new or existing profile: --profile desk")
     if request.place.by is not None and request.step not in WAYS:
@@ -65,7 +73,7 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
     folder = profile_path(settings.profile)
     with ExitStack() as stack:
         saved = load(folder) if exists(folder) else None
-        source = _source(settings, request, saved)
+        source = source_for(settings, request, saved)
         stack.callback(source.close)
         if saved is not None and request.script is None:
             require_fit(saved, source.camera)
@@ -74,7 +82,7 @@ def calibrate(settings: Settings, request: CalibrateRequest) -> Path:
         if request.script is not None:
             _by_script(setup, source, detector_for, request.script, folder)
         else:
-            _guided(setup, source, detector_for, request, folder)
+            _guided(setup, source, detector_for, request, folder, terminal)
         left = missing(load(folder) if exists(folder) else None)
         say = Terminal(None).say
         say(f"Still missing: {', '.join(left)}." if left else _next_step(settings))
@@ -87,8 +95,9 @@ def _guided(
     detector_for: Callable[[Profile | None], DetectHands],
     request: CalibrateRequest,
     folder: Path,
+    make_terminal: MakeTerminal,
 ) -> None:
-    terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
+    terminal = make_terminal(source.follow if isinstance(source, VirtualUser) else None)
     guided = GuidedCalibration(setup, Session(source), terminal, detector_for)
     profile = load(folder) if exists(folder) else None
     todo = [request.step] if request.step else missing(profile)
@@ -180,7 +189,7 @@ def pilot(settings: Settings, rounds: int, round_s: float) -> Path:
             "halo calibrate touch --profile pilot1"
         )
     with ExitStack() as stack:
-        source = _source(settings, CalibrateRequest(), profile)
+        source = source_for(settings, CalibrateRequest(), profile)
         stack.callback(source.close)
         require_fit(profile, source.camera)
         terminal = Terminal(source.follow if isinstance(source, VirtualUser) else None)
@@ -223,7 +232,8 @@ def _virtual_values(request: CalibrateRequest) -> StateValues:
     return replace(STATE_VALUES, hard_g=None if request.state_values.hard_g is None else HARD_G)
 
 
-def _source(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:
+def source_for(settings: Settings, request: CalibrateRequest, saved: Profile | None) -> Source:
+    """Open the source of a guided step; for the virtual camera one with a user who follows."""
     serial = saved.camera.serial if saved else ""
     name = decide(serial) if settings.source.name == "auto" else settings.source.name
     if is_sim(name):

@@ -51,8 +51,8 @@ ROW_S = 2.8
 """Rows of a sweep, and the time for each: together a little less than the whole sweep."""
 TURN_DEG = 25.0
 """How far the finger turns to both sides during the sweep."""
-REST_S = 0.7
-"""Time that the finger rests on a mark."""
+REST_S, TAP_S = 0.7, 0.12
+"""Time that the finger rests on a mark, and of a tap."""
 AIM_MM = 0.5
 """Error of the touches on a mark, one sigma in x and y; chosen: a pen reaches 0.5 mm, and a finger
 hides the mark."""
@@ -65,7 +65,7 @@ MARKER_AT = (215.0, 60.0, -24.0)
 """The same for the marker of an anchor."""
 DOTS_PER_MM = 8
 """Resolution of the printed sheets: 203 dots per inch."""
-EMPTY_HANDED = ("background", "sheet", "marker", "board")
+EMPTY_HANDED = ("background", "sheet", "marker", "board", "away")
 """Prompts that need no hand."""
 
 
@@ -148,6 +148,11 @@ class VirtualUser:
                 yield from self._touch(*AREA[prompt.number])
             elif prompt.name == "cross":
                 yield from self._touch(*self._under(prompt.at_px))
+            elif prompt.name in ("spot", "tap"):
+                rest_s = REST_S if prompt.name == "spot" else TAP_S
+                yield from self._touch(*prompt.at_mm, rest_s)
+            elif prompt.name == "level":
+                yield from self._hold(prompt.height_mm, prompt.force_g)
             elif prompt.name in STATES:
                 yield from self._hold(*STATES[prompt.name])
             else:
@@ -185,7 +190,7 @@ class VirtualUser:
         x, y, w = back @ (*px, 1.0)
         return float(x / w), float(y / w)
 
-    def _touch(self, x_mm: float, y_mm: float) -> Iterator[Segment]:
+    def _touch(self, x_mm: float, y_mm: float, rest_s: float = REST_S) -> Iterator[Segment]:
         """Touch a mark again and again, until the next prompt."""
         p = self._performer
         p.tool = None
@@ -195,7 +200,7 @@ class VirtualUser:
             dx, dy = p.rng.normal(0.0, AIM_MM, 2)
             yield from p.reach(0.3, x_mm=x_mm + dx, y_mm=y_mm + dy, height_mm=12.0)
             yield from p.strike(0.1)
-            yield from p.press(REST_S, lambda _: TOUCH_G)
+            yield from p.press(rest_s, lambda _: TOUCH_G)
             yield from p.reach(0.4, height_mm=40.0)
 
     def _sweep(self, pitch_deg: float) -> Iterator[Segment]:

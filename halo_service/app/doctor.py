@@ -14,7 +14,7 @@ from pathlib import Path
 from halo_calibration.base_model import VIRTUAL, pilot_path
 from halo_protocol.osc import padded
 from halo_service.app.calibration_ui.calibrate import missing
-from halo_service.app.cameras import found_cameras
+from halo_service.app.cameras.found import found_cameras
 from halo_service.app.service.commands import LEAST_STATUS, STATUS
 from halo_service.errors import UserError
 from halo_service.evaluation.report.table import Table

@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import ceil
 from pathlib import Path
 
-from halo_service.app.cameras import choose, first_camera
+from halo_service.app.cameras.found import choose, first_camera
 from halo_service.errors import UserError, suggestion
 from halo_service.files import from_home
 from halo_service.settings import SourceSettings

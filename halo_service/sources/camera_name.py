@@ -31,7 +31,7 @@ SYNCS: tuple[Sync, ...] = ("alone", "primary", "secondary")
 
 @dataclass(frozen=True, slots=True)
 class CameraOptions:
-    """What can be asked of a camera."""
+    """The options of a camera."""
 
     serial: str = ""
     """Serial number; empty: the first that can be opened."""

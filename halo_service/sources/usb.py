@@ -1,7 +1,7 @@
 """Which depth cameras are plugged in, by their USB numbers, where no SDK need be installed.
 
 Rule: reads only. Linux shows each USB device as a folder of `/sys/bus/usb/devices`, with a file for
-each fact; other systems show nothing here, and the SDKs are asked alone.
+each fact; other systems show nothing here, and only the SDKs are asked.
 """
 
 from __future__ import annotations

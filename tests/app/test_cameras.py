@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from halo_service.app import cameras
-from halo_service.app.cameras import FoundCamera, SdkCameras, chosen, merge
+from halo_service.app.cameras import found as cameras
+from halo_service.app.cameras.found import FoundCamera, SdkCameras, chosen, merge
+from halo_service.app.cameras.udev import fix, rules_text
 from halo_service.app.cli import main
 from halo_service.app.sources import open_source
-from halo_service.app.udev import fix, rules_text
 from halo_service.errors import UserError
 from halo_service.settings import SourceSettings
 from halo_service.sources.usb import UsbCamera, usb_cameras

@@ -21,6 +21,7 @@ from halo_service.sources.camera_name import CameraOptions
 from halo_service.sources.orbbec.bag import Bag
 from halo_service.sources.orbbec.femto import Femto
 from halo_service.sources.recording import Recording
+from halo_service.sources.switched import SwitchedSource
 from halo_service.values import BadFrame, Frame
 from halo_service.virtual.live import VirtualKinect
 from halo_service.virtual.sim_url import parse_sim_url
@@ -28,7 +29,7 @@ from tests.sources.cameras.kinect_fake import KinectBench
 from tests.sources.cameras.orbbec_fake import OrbbecBench
 
 SMALL = CameraOptions(mode="NFOV_2X2BINNED")
-SOURCES = ("azure-kinect", "femto-bolt", "bag", "recording", "sim")
+SOURCES = ("azure-kinect", "femto-bolt", "bag", "recording", "switched", "sim")
 DEVICES = ("azure-kinect", "femto-bolt")
 
 
@@ -53,6 +54,11 @@ def setup(request, monkeypatch, small_camera, small_frames, small_recording) -> 
     if request.param == "recording":
         return Setup(
             lambda _: Recording(small_recording, realtime=False, loop=False), *[no_device] * 3
+        )
+    if request.param == "switched":
+        return Setup(
+            lambda _: SwitchedSource(Recording(small_recording, realtime=False, loop=False)),
+            *[no_device] * 3,
         )
     if request.param == "sim":
         fast = "sim:demo,mode=NFOV_2X2BINNED,sensor=kind"
@@ -181,7 +187,7 @@ def test_a_capture_without_an_image_is_a_bad_frame_among_good_ones(
     assert bad.reason == f"no {lacks} in this capture"
 
 
-@every("recording", "bag")
+@every("recording", "switched", "bag")
 def test_a_recording_has_an_end(setup: Setup) -> None:
     with closing(setup.open(SMALL)) as source, pytest.raises(EndOfSource):
         captures(source, 1000)

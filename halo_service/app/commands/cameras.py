@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Exit code 0: at least one camera can be opened, as far as one can see; 1: none."""
-    from halo_service.app.cameras import found_cameras, table_of
+    from halo_service.app.cameras.found import found_cameras, table_of
     from halo_service.app.tables import print_tables
 
     cameras = found_cameras()

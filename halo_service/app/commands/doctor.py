@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Exit code 0: nothing that is needed is missing; 1: something is."""
     if options.fix:
-        from halo_service.app.udev import fix
+        from halo_service.app.cameras.udev import fix
 
         print(fix(_ask))
         return 0

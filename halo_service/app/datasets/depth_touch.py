@@ -1,7 +1,7 @@
 """UBC-X-Lab/DepthTouchSensing: touches on a tablet, and the depth video of them, to truth.
 
 Its label files are `touch_id, event, x, y, epoch_ms` a line, in points of the tablet. What is not
-published, and therefore asked for: where the tablet's screen is in the depth image, how many points
+published, and therefore an option: where the tablet's screen is in the depth image, how many points
 it has, and when in the video the first touch happens. The videos are said to be `.mkv` of an Azure
 Kinect; with depth, infrared and calibration inside, `halo replay` reads them as they are.
 """

@@ -29,7 +29,7 @@ VIRTUAL = (
     "a real camera."
 )
 REAL = (
-    "Compared with what you were asked to do, so your own errors are in every figure: people miss "
+    "Compared with what the prompts requested, so your own errors are in every figure: people miss "
     "a cross by some millimetres, and a kitchen scale swings."
 )
 
@@ -70,7 +70,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """All that the report tells."""
+    """All that the report shows."""
 
     facts: Mapping[str, str]
     camera: CameraReport
@@ -114,10 +114,10 @@ def touch_rows(account: Account) -> list[Row]:
     again = "repeat 'halo calibrate touch' and 'sweep', the finger as you use it"
     hover_mm = 4.0 if account.coins else 2.8
     return [
-        Row("touches reported, of those asked for", 100 * (1 - values["missed"] / touches)
+        Row("touches reported, of those requested", 100 * (1 - values["missed"] / touches)
             if touches else math.nan, "%", 99.0, digits=1, remedy=again),
         Row("touches reported twice", _known(values["doubled"], touches), "", most=0, remedy=again),
-        Row("touches where none was asked for", _known(values["outside_and_ghosts"], touches), "",
+        Row("touches where none was requested", _known(values["outside_and_ghosts"], touches), "",
             most=0, remedy="keep the other fingers away from the table; " + again),
         Row("place, from the cross", values["spatial_paper_method_mm"], "mm", most=6.0, digits=1,
             remedy="lay the surface sheet exactly on the crosses and calibrate the surface again"),
@@ -241,8 +241,8 @@ def _advice(account: Account) -> str:
 def _plots(results: Sequence[Result]) -> list[str]:
     drawn = [
         ("Touches around their crosses", touch_plots.targets(results, "ours")),
-        ("Heights: asked for and reported", level_plots.levels(results, "hover")),
-        ("Pressure: asked for and reported", level_plots.levels(results, "pressure")),
+        ("Heights: requested and reported", level_plots.levels(results, "hover")),
+        ("Pressure: requested and reported", level_plots.levels(results, "pressure")),
     ]
     return [
         f"<figure><figcaption>{title}</figcaption>"

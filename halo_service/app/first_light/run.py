@@ -6,7 +6,7 @@ import json
 import platform
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -14,7 +14,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 from halo_calibration.guided.guide import PROMPTS, Prompt
-from halo_calibration.observe import DetectHands, Observation, Observer
 from halo_calibration.solvers.touch import StateValues
 from halo_calibration.steps.camera import LOOK_S, CameraReport, camera_report
 from halo_calibration.steps.session import Session
@@ -32,6 +31,7 @@ from halo_service.app.evaluation_ui.guided import require_crosses
 from halo_service.app.first_light.announce import PAGE, Announcer
 from halo_service.app.first_light.plan import PlanOptions, tasks_of
 from halo_service.app.first_light.report import Account, report_page
+from halo_service.app.first_light.sensed import Sensed
 from halo_service.app.first_light.session import Cutter, Followed, follow_tasks
 from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.user import VirtualUser
@@ -43,17 +43,13 @@ from halo_service.files import appearing
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import exists, load, profile_path, require_fit
-from halo_service.runtime.checks import check_capture
 from halo_service.runtime.method import OURS
-from halo_service.sensing import start
 from halo_service.settings import Settings
-from halo_service.sources import Source
-from halo_service.values import Frame, TouchFrame, Tracked
+from halo_service.values import Frame
 
 RECORDING, SCRIPT, REPORT, COPY = "first-light.mkv", "first-light.json", "report.html", "profile"
 MOST_MB = 200
 """A recording that is to be sent back stays below."""
-WHOLE_SESSION_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +116,7 @@ def _folder(folder: Path) -> Path:
 
 
 def _require_healthy(settings: Settings) -> None:
-    # The profile is made below.
+    # The profile is calibrated below.
     findings = [each for each in examine(settings) if each.what not in ("profile", "base model")]
     bad = [each for each in findings if not each.good and not each.optional]
     if bad:
@@ -156,15 +152,15 @@ def _placement(settings: Settings, announcer: Announcer) -> CameraReport:
 
 def _calibrated(settings: Settings, request: FirstLightRequest, announcer: Announcer) -> Profile:
     """Do the steps that are missing; the surface by the printed sheet, so the crosses are known."""
-    asked = CalibrateRequest(state_values=request.state_values)
+    base = CalibrateRequest(state_values=request.state_values)
 
     def terminal(follow: Callable[[Prompt], None] | None) -> Terminal:
         return SpokenTerminal(follow, announcer)
 
     for step in missing(_saved(settings)):
-        calibrate(settings, replace(asked, step=step), terminal)
+        calibrate(settings, replace(base, step=step), terminal)
         if step == "background" and not settings.source.name.startswith("sim"):
-            by_sheet = replace(asked, step="surface", place=PlaceRequest(by="markers"))
+            by_sheet = replace(base, step="surface", place=PlaceRequest(by="markers"))
             calibrate(settings, by_sheet, terminal)
     profile = load(profile_path(settings.profile))
     require_crosses(profile)
@@ -221,46 +217,6 @@ def _write(recorder: Recorder, frame: Frame) -> None:
     recorder.write(frame)
 
 
-class Sensed:
-    """The frames of a source, each sensed as the service does it while the session runs."""
-
-    def __init__(
-        self, source: Source, profile: Profile, detect: DetectHands, settings: Settings
-    ) -> None:
-        """`detect`: the hand tracker; its hands come one frame late, as they do live."""
-        self._source = source
-        self._detect = detect
-        self._tracked: Tracked | None = None
-        self._state = start(profile, settings.sensing)
-        self._observer = Observer(profile, self._latest, settings.sensing)
-        self._came = self._lost = 0
-        self.published: list[TouchFrame] = []
-
-    def frames(self) -> Iterator[Frame]:
-        """Yield the good frames, and sense each."""
-        last_us: int | None = None
-        for frame in Session(self._source).lasting(WHOLE_SESSION_S, "first light"):
-            self._lost += check_capture(frame, last_us, self._source.camera.fps).missed
-            self._came += 1
-            last_us = frame.time_us
-            touch_frame, self._state = OURS.step(self._state, frame, self._tracked)
-            self.published.append(touch_frame)
-            self._tracked = self._detect(frame)
-            yield frame
-
-    def see(self, frame: Frame) -> Observation | None:
-        """Return the index finger in the newest frame."""
-        return self._observer.see(frame)
-
-    @property
-    def lost_share(self) -> float:
-        """Share of the frames that never came."""
-        return self._lost / max(self._came + self._lost, 1)
-
-    def _latest(self, frame: Frame) -> Tracked:
-        return self._tracked or Tracked(frame.time_us, ())
-
-
 def _copy_profile(settings: Settings, folder: Path) -> None:
     shutil.copytree(profile_path(settings.profile), folder / COPY, dirs_exist_ok=True)
 
@@ -285,7 +241,7 @@ def _files(folder: Path) -> dict[str, str]:
     over = "" if size_mb < MOST_MB else f" (planned: {MOST_MB} MB)"
     return {
         RECORDING: f"depth and infrared near the crosses, {size_mb:.0f} MB{over}: send it",
-        SCRIPT: "what you were asked to do, and when: send it",
+        SCRIPT: "what the prompts requested, and when: send it",
         COPY: "the calibration: send it",
         REPORT: "this page: send it",
     }

@@ -1,7 +1,8 @@
 """A `.bag` recording of OrbbecViewer or Orbbec's SDK, through the SDK's own playback: a `Source`.
 
-The SDK plays it at the pace at which it was recorded. Never run on a real file: none is public, and
-only a device can record one. `halo record --source recording:X.bag X.mkv` makes our form of it.
+The SDK plays it at the pace at which it was recorded. Never run on a real file: no public one was
+found, and only a device can record one. `halo record --source recording:X.bag X.mkv` writes it in
+our form.
 """
 
 from __future__ import annotations

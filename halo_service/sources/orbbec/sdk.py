@@ -52,7 +52,7 @@ class Plugged:
 
 
 class Sdk:
-    """The loaded SDK and its context, of which a process needs one."""
+    """The loaded SDK and its context; one for a process."""
 
     def __init__(self, module: Any, context: Any) -> None:
         """`module`: `pyorbbecsdk`; `context`: its `Context`."""

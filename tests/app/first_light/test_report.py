@@ -69,7 +69,7 @@ def test_the_verdicts_follow_from_the_figures(account: Account) -> None:
     assert found["Touch"] == "works"
     assert found["Hover"] == found["Pressure"] == "not measured"
     missed = replace(account, results=results(downs=1))
-    assert dict(verdicts(missed))["Touch"] == "partly: touches reported, of those asked for"
+    assert dict(verdicts(missed))["Touch"] == "partly: touches reported, of those requested"
     (share,) = [row for row in touch_rows(missed) if row.what.startswith("touches reported, of")]
     assert share.value == pytest.approx(50.0)
     far = replace(account, camera=replace(GOOD, height_mm=1300.0), lost_share=0.2)

@@ -19,6 +19,8 @@ Grey = NDArray[np.uint8]
 
 SIZE_PX = 256
 """Side of a picture: the model itself works at 192 and 224."""
+MM_PER_PX = REGION_MM / SIZE_PX
+"""Of a picture."""
 LOW_MM = 4.0
 """From this height on a pixel is the hand's: above the noise, below a touching finger."""
 DIM = 1.0
@@ -48,10 +50,10 @@ def region_picture(
     Beyond the image's edge it is dark, and so are the hands in `hidden`: where the model looks for
     one more hand, it would find these again.
     """
-    to_picture = _to_picture(region)
+    onto = to_picture(region)
     size = (SIZE_PX, SIZE_PX)
-    height: Heights = np.asarray(cv2.warpAffine(height_mm, to_picture, size), np.float32)
-    tone = np.sqrt(cv2.warpAffine(ir, to_picture, size).astype(np.float32))
+    height: Heights = np.asarray(cv2.warpAffine(height_mm, onto, size), np.float32)
+    tone = np.sqrt(cv2.warpAffine(ir, onto, size).astype(np.float32))
     hand = np.asarray(cv2.blur(height, (5, 5)) > LOW_MM)
     if np.count_nonzero(hand) < LEAST_PX:
         return None
@@ -78,17 +80,17 @@ def _relief(height_mm: Heights, hand: NDArray[np.bool_]) -> Heights:
 
 
 def _in_picture(image_px: Pixels, region: Region) -> Pixels:
-    to_picture = _to_picture(region)
-    return np.asarray(image_px * to_picture[0, 0] + to_picture[:, 2])
+    onto = to_picture(region)
+    return np.asarray(image_px * onto[0, 0] + onto[:, 2])
 
 
 def in_image(picture_px: Pixels, region: Region) -> Pixels:
     """Return places of a region's picture, (N, 2) px, in the image that it was cut from."""
-    to_picture = _to_picture(region)
-    return np.asarray((picture_px - to_picture[:, 2]) / to_picture[0, 0])
+    onto = to_picture(region)
+    return np.asarray((picture_px - onto[:, 2]) / onto[0, 0])
 
 
-def _to_picture(region: Region) -> NDArray[np.float64]:
+def to_picture(region: Region) -> NDArray[np.float64]:
     """Return the (2, 3) map from the image's pixel centres to the picture's."""
     scale = SIZE_PX / region.side_px
     middle = (SIZE_PX - 1) / 2.0

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from halo_service.hand_tracking.blob_hand import hand_from_blob
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.picture import in_image, region_picture
 from halo_service.hand_tracking.regions import (
@@ -31,6 +32,9 @@ RETRY_US = 300_000
 """A region without a hand (a mug, an elbow) is looked at again after so long,"""
 RETRY_MM = 20.0
 """or when its blob has moved this far."""
+UNFOUND_US = 300_000
+"""What comes in and has no hand for so long is looked at for the shape of a finger: the model needs
+some frames for a hand that is just coming in."""
 
 
 @dataclass(slots=True)
@@ -63,6 +67,7 @@ class RegionTracker:
         self._px_per_mm = focal_px / max(float(np.median(background_mm[valid])), 1.0)
         self._slots = [_Slot(HandTracker(model_path, max_hands=1)) for _ in range(max_hands)]
         self._empty: tuple[_Empty, ...] = ()
+        self._unfound_us: int | None = None
 
     def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame, in its own pixels."""
@@ -73,9 +78,8 @@ class RegionTracker:
                 region = region_of_hand(slot.hand, self._px_per_mm)
                 slot.hand = self._find(slot, region, height_mm, frame)
         free = next((slot for slot in self._slots if slot.hand is None), None)
-        if free is not None:
-            self._search(free, height_mm, frame)
-        return Tracked(frame.time_us, tuple(self._hands()))
+        by_shape = None if free is None else self._search(free, height_mm, frame)
+        return Tracked(frame.time_us, (*self._hands(), *([by_shape] if by_shape else [])))
 
     def close(self) -> None:
         """Let the models go."""
@@ -85,18 +89,41 @@ class RegionTracker:
     def _hands(self) -> list[Hand]:
         return [slot.hand for slot in self._slots if slot.hand is not None]
 
-    def _search(self, slot: _Slot, height_mm: Heights, frame: Frame) -> None:
-        """Look for one more hand, in the largest region that was not looked at lately."""
+    def _search(self, slot: _Slot, height_mm: Heights, frame: Frame) -> Hand | None:
+        """Look for one more hand, in the largest region that was not looked at lately.
+
+        Return the one that the model does not find but its shape shows.
+        """
         hands = self._hands()
         proposed = find_regions(height_mm, self._valid, hands, self._px_per_mm)
         recent = [e for e in self._empty if 0 <= frame.time_us - e.time_us < RETRY_US]
         self._empty = tuple(recent)
         region = next((each for each in proposed if not self._is_empty(each, recent)), None)
-        if region is None:
-            return
-        slot.hand = self._find(slot, region, height_mm, frame, hands)
-        if slot.hand is None:
-            self._empty = (*recent, _Empty(region, frame.time_us))
+        if region is not None:
+            slot.hand = self._find(slot, region, height_mm, frame, hands)
+            if slot.hand is None:
+                self._empty = (*recent, _Empty(region, frame.time_us))
+        if slot.hand is not None:
+            self._unfound_us = None
+            return None
+        return self._by_shape(proposed, height_mm, frame)
+
+    def _by_shape(
+        self, proposed: Sequence[Region], height_mm: Heights, frame: Frame
+    ) -> Hand | None:
+        """Return a hand by its shape, where the model has found none for a while."""
+        if not proposed:
+            self._unfound_us = None
+            return None
+        since_us = frame.time_us if self._unfound_us is None else self._unfound_us
+        self._unfound_us = since_us
+        if 0 <= frame.time_us - since_us < UNFOUND_US:
+            return None
+        shapes = (
+            hand_from_blob(height_mm, self._background_mm, self._valid, region)
+            for region in proposed
+        )
+        return next((hand for hand in shapes if hand is not None), None)
 
     def _find(
         self,

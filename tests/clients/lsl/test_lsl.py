@@ -19,11 +19,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pylsl
 import pytest
 
 from halo_lsl.streams import STREAMS
 from halo_protocol import Frame, Scene, encode, encode_frame
+
+try:
+    import pylsl
+except RuntimeError:  # a Linux for which pylsl brings no library
+    if "HALO_CI" in os.environ:
+        raise
+    pytest.skip("liblsl is not on this machine", allow_module_level=True)
 
 BIN = Path(sys.executable).parent
 RATE_HZ = 50.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import struct
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -65,6 +66,7 @@ def excess_grey(depth: Depth, mean_mm: NDArray[np.float32], valid: NDArray[np.bo
     return grey
 
 
+@lru_cache(maxsize=1)  # all pictures of a frame share it
 def _excess(look: Look) -> Grey | None:
     """Return depth as excess over the background; None without one."""
     profile, depth = look.profile, look.frame.depth
@@ -80,7 +82,7 @@ def _depth(look: Look) -> bytes | None:
     header: dict[str, Any] = {}
     grey = _excess(look)
     if grey is not None:
-        outlines = [each.tolist() for each in _outlines(grey)]
+        outlines = [each.tolist() for each in _outlines(look)]
         header = {"farther_mm": FARTHER_MM, "nearer_mm": NEARER_MM, "outlines": outlines}
     else:
         seen = depth[depth > 0]
@@ -96,8 +98,7 @@ def _infrared(look: Look) -> bytes | None:
     infrared = look.frame.ir[::STEP, ::STEP].astype(np.float32)
     bright = max(float(np.percentile(infrared[::4, ::4], 99.0)), 1.0)
     grey = np.clip(255.0 * np.sqrt(infrared / np.float32(bright)), 0.0, 255.0).astype(np.uint8)
-    excess = _excess(look)
-    outlines = [] if excess is None else [each.tolist() for each in _outlines(excess)]
+    outlines = [each.tolist() for each in _outlines(look)]
     drawn = _drawn(look, look.camera.depth, np.eye(4), STEP)
     return _message("infrared", grey, {"outlines": outlines, **drawn})
 
@@ -124,11 +125,8 @@ def _outlines_in(
     look: Look, lens: Lens, lens_from_camera: Points, shrink: float
 ) -> list[list[list[float]]]:
     """Return the outlines in the picture of another lens, by the depth at their pixels."""
-    excess = _excess(look)
-    if excess is None:
-        return []
     moved = []
-    for outline in _outlines(excess):
+    for outline in _outlines(look):
         columns, rows = outline.T
         depth = look.frame.depth[STEP * rows, STEP * columns].astype(np.float64)
         points = look.camera.depth.rays(np.asarray(STEP * outline, np.float64)) * depth[:, None]
@@ -137,15 +135,19 @@ def _outlines_in(
     return moved
 
 
-def _outlines(grey: Grey) -> list[NDArray[np.int32]]:
+@lru_cache(maxsize=1)
+def _outlines(look: Look) -> tuple[NDArray[np.int32], ...]:
     """Return the outlines of what is nearer than the surface, (N, 2) pixels each."""
+    grey = _excess(look)
+    if grey is None:
+        return ()
     limit = 128.0 - HAND_MM * 127.0 / NEARER_MM
     near = ((grey > 0) & (grey < limit)).astype(np.uint8)
     found, _ = cv2.findContours(near, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     large = [each for each in found if cv2.contourArea(each) >= LEAST_OUTLINE_PX]
     large.sort(key=cv2.contourArea, reverse=True)
     thin = [cv2.approxPolyDP(each, 1.0, True) for each in large[:MOST_OUTLINES]]
-    return [np.asarray(each, np.int32).reshape(-1, 2) for each in thin]
+    return tuple(np.asarray(each, np.int32).reshape(-1, 2) for each in thin)
 
 
 def _drawn(look: Look, lens: Lens, lens_from_camera: Points, shrink: float) -> dict[str, Any]:

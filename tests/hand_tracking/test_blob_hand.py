@@ -64,7 +64,7 @@ def test_a_blurred_edge_of_an_arm_is_no_finger() -> None:
         (ARM, PALM),
         (PALM, FINGER),  # nothing comes in from outside: a pan with its handle
         (((200, 570), (440, 400), 150, 30.0),),  # a book over the edge
-        (((320, 620), (320, 240), 20, 10.0),),  # a ruler
+        (((320, 620), (320, 240), 20, 14.0),),  # a thick ruler: thin everywhere
     ],
     ids=["fist", "pan", "book", "ruler"],
 )

@@ -26,14 +26,14 @@ from halo_service.app.calibration_ui.calibrate import (
 )
 from halo_service.app.calibration_ui.place import PlaceRequest
 from halo_service.app.calibration_ui.terminal import Terminal
-from halo_service.app.doctor import examine, format_finding
+from halo_service.app.doctor import examine
 from halo_service.app.evaluation_ui.guided import require_crosses
 from halo_service.app.first_light.announce import PAGE, Announcer
 from halo_service.app.first_light.plan import PlanOptions, tasks_of
 from halo_service.app.first_light.report import Account, report_page
 from halo_service.app.first_light.sensed import Sensed
 from halo_service.app.first_light.session import Cutter, Followed, follow_tasks
-from halo_service.app.hand_detector import HandDetector
+from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.evaluation.metrics.result import Subject
@@ -69,8 +69,8 @@ def first_light(settings: Settings, request: FirstLightRequest) -> Path:
     """
     if not settings.profile:
         raise UserError("first-light: name a new or existing profile: --profile desk")
-    folder = _folder(request.folder)
     _require_healthy(settings)
+    folder = _folder(request.folder)
     with ExitStack() as stack:
         announcer = Announcer(_say, folder / PAGE, None, request.sound)
         stack.callback(announcer.close)
@@ -116,11 +116,13 @@ def _folder(folder: Path) -> Path:
 
 
 def _require_healthy(settings: Settings) -> None:
+    model_for(settings.tracking)  # downloads it if needed
     # The profile is calibrated below.
     findings = [each for each in examine(settings) if each.what not in ("profile", "base model")]
     bad = [each for each in findings if not each.good and not each.optional]
     if bad:
-        raise UserError(f"first-light: {format_finding(bad[0])}")
+        words = "; ".join(filter(None, (bad[0].state, bad[0].remedy)))
+        raise UserError(f"first-light: {bad[0].what}: {words}")
 
 
 class SpokenTerminal(Terminal):

@@ -11,6 +11,7 @@ import pytest
 
 from halo_calibration.guided.guide import Prompt
 from halo_calibration.observe import Observation
+from halo_service.app.cli import main
 from halo_service.app.first_light.announce import PAGE, Announcer, page_of, write_tone
 from halo_service.app.first_light.plan import PlanOptions, tasks_of
 from halo_service.app.first_light.session import AWAY, Cutter, follow_tasks
@@ -164,3 +165,12 @@ def test_a_tone_is_a_wav_file_without_clicks(tmp_path) -> None:
     assert 5000 < np.abs(sound).max() < 32_000
     assert abs(sound[0]) < 50
     assert abs(sound[-1]) < 500
+
+
+def test_what_is_missing_stops_it_before_a_folder_is_made(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr("halo_service.app.doctor.found_cameras", list)
+    command = ["first-light", str(tmp_path / "table"), "--profile", "desk"]
+    assert main([*command, "--source", "femto-bolt"]) == 2
+    said = capsys.readouterr().err
+    assert "first-light: camera: no Femto Bolt is plugged in; plug it into a USB 3 port" in said
+    assert not (tmp_path / "table").exists()

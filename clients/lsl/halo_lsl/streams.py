@@ -93,7 +93,7 @@ Tree = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """What is known of the service when the streams are created."""
+    """What the service has reported when the streams are created."""
 
     node: str
     surface: str

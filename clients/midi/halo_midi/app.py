@@ -18,7 +18,7 @@ import halo_client
 from halo_client import ClientError, FileSource
 from halo_midi.errors import MidiError
 from halo_midi.layouts import Board, board, note_name
-from halo_midi.options import NAME, parser, settings
+from halo_midi.options import NAME, make_parser, settings
 from halo_midi.player import Player
 from halo_midi.render import MIDI, SOUND, messages, write
 from halo_protocol import Pointer, TouchFrame
@@ -37,7 +37,7 @@ class Output(Protocol):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 if it cannot start."""
-    options = parser().parse_args(argv)
+    options = make_parser().parse_args(argv)
     logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
     try:
         if options.calibrate:

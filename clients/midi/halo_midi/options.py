@@ -38,18 +38,18 @@ examples:
 DEFAULTS = Settings()
 
 
-def parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
     """Return the parser."""
     rows = [f"  {row.name:<10} {row.notes}; x {row.moves}" for row in LAYOUTS.values()]
-    made = argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog=NAME,
         description=DESCRIPTION,
         epilog=EPILOG.format(layouts="\n".join(rows)),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add_stage_options(made)
-    made.add_argument("--window", action="store_true", help="show the layout in a window")
-    where = made.add_argument_group("where the notes go")
+    add_stage_options(parser)
+    parser.add_argument("--window", action="store_true", help="show the layout in a window")
+    where = parser.add_argument_group("where the notes go")
     where.add_argument(
         "--port", metavar="NAME", help="a MIDI port that exists (a part of its name is enough)"
     )
@@ -62,9 +62,9 @@ def parser() -> argparse.ArgumentParser:
         help="General MIDI sound of a .wav file, 1 to 128 (%(default)s)",
     )  # fmt: skip
     where.add_argument("--soundfont", type=Path, metavar="FILE", help="soundfont of a .wav file")
-    _add_notes(made.add_argument_group("notes"))
-    _add_expression(made.add_argument_group("expression"))
-    return made
+    _add_notes(parser.add_argument_group("notes"))
+    _add_expression(parser.add_argument_group("expression"))
+    return parser
 
 
 def settings(options: argparse.Namespace) -> Settings:

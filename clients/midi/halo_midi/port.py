@@ -146,7 +146,7 @@ class OwnPort:
         self, name: str, opening: Messages, closing: Messages, ports: Ports = mido
     ) -> None:
         """`name`: what other programs show; `opening`: what to send first."""
-        self._closing = closing
+        self._closing, self._failed = closing, False
         try:
             with quiet():
                 self._port = ports.open_output(name, virtual=True)
@@ -158,9 +158,14 @@ class OwnPort:
         self.send(opening)
 
     def send(self, messages: Messages) -> None:
-        """Send what a function returns."""
+        """Send what a function returns; the first message that fails is logged."""
         for message in messages():
-            self._port.send(message)
+            try:
+                self._port.send(message)
+            except ERRORS as error:
+                if not self._failed:
+                    log.warning("midi: a message was not sent (%s)", error)
+                self._failed = True
 
     def close(self) -> None:
         """Send the last messages and remove the port."""

@@ -1,4 +1,4 @@
-"""Frame time on LSL's clock: exact on one machine, steady when clocks are set, fair elsewhere."""
+"""Frame time on LSL's clock: exact on one machine, steady when clocks are set, else estimated."""
 
 from __future__ import annotations
 

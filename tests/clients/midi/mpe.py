@@ -95,6 +95,6 @@ class Receiver:
         else:
             self._require(False, f"data for the parameter {chosen}")
 
-    def _require(self, kept: bool, rule: str) -> None:
-        if not kept:
+    def _require(self, holds: bool, rule: str) -> None:
+        if not holds:
             self.broken.append(rule)

@@ -39,8 +39,8 @@ def test_it_asks_for_strikes_and_counts_those_with_a_speed(wire: Any) -> None:
             for number in range(2 * STRIKES):
                 yield wire.frame(number, downs=(replace(down, strike_mm_s=100.0 + 10 * number),))
 
-    said: list[str] = []
-    assert measured(cast("Receiver", Scripted()), said.append) == (120.0, 270.0)
-    assert said[0].startswith("tap 20 times")
-    assert "is `halo serve` running" in said[1]
-    assert said[-1] == "20 of 20: 290 mm/s"
+    printed: list[str] = []
+    assert measured(cast("Receiver", Scripted()), printed.append) == (120.0, 270.0)
+    assert printed[0].startswith("tap 20 times")
+    assert "is `halo serve` running" in printed[1]
+    assert printed[-1] == "20 of 20: 290 mm/s"

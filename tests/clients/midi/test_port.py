@@ -98,6 +98,15 @@ def test_a_port_of_one_s_own_begins_with_the_zone_and_ends_in_silence(wire: Any)
     assert ports.opened[0].closed
 
 
+def test_a_message_that_fails_ends_nothing(caplog: pytest.LogCaptureFixture) -> None:
+    ports = Ports()
+    with OwnPort("halo-midi", list, list, ports) as port:
+        ports.opened[0].dead = True
+        for _ in range(2):
+            port.send(lambda: [mido.Message("note_on")])
+    assert caplog.text.count("a message was not sent (the port was closed)") == 1
+
+
 def test_an_unknown_port_is_refused_with_those_that_are_there() -> None:
     with pytest.raises(
         MidiError, match=r"no MIDI port is called 'moog'; available: Surge 1, Vital 2"
@@ -119,6 +128,6 @@ def test_alsa_s_sequencer_carries_the_notes(wire: Any) -> None:
     player = Player(board("grid"))
     with OwnPort("halo-midi-test", player.opening, player.closing) as port:
         name = next(each for each in mido.get_input_names() if "halo-midi-test" in each)
-        with mido.open_input(name) as heard:
+        with mido.open_input(name) as received:
             play(port, player, wire.frame(0, [wire.finger(pressure=0.5)], downs=(wire.down(),)))
-            wait_for(lambda: any(each.type == "note_on" for each in heard.iter_pending()))
+            wait_for(lambda: any(each.type == "note_on" for each in received.iter_pending()))

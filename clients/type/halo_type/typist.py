@@ -106,7 +106,7 @@ class Typist:
         return self._entries[-1].text if self._entries else ""
 
     def _strike(self, touch: Began) -> Struck:
-        x, y = touch.down.u * self.size_mm[0], touch.down.v * self.size_mm[1]
+        x, y = touch.down.u * self._placed_for[0], touch.down.v * self._placed_for[1]
         if self.rectangles:
             character = key_at(self._keys, x, y)
         else:

@@ -18,7 +18,7 @@ from halo_protocol import Event, Health, Lost, Report, Scene, TouchFrame
 
 DEFAULT_RATE_HZ = 30.0
 PATIENCE = 45
-"""Frames without a scene, after which the streams are created without one."""
+"""Frames without a scene or health, after which the streams are created without one."""
 FEWEST = 15
 """Frames before the streams are created, to measure the delay of the pipeline."""
 
@@ -39,6 +39,7 @@ class Bridge:
         self._output: Output | None = None
         self._scene: Scene | None = None
         self._session = ""
+        self._announced = False
         self._delays_s: list[float] = []
         self._regular = Regular(DEFAULT_RATE_HZ)
 
@@ -54,28 +55,32 @@ class Bridge:
         elif isinstance(event, Report) and isinstance(event.message, Scene):
             self._describe(event.message, now)
         elif isinstance(event, Report) and isinstance(event.message, Health):
-            self._clock.error_s = event.message.clock_error_ms / 1e3
+            self._clock.report(event.message.clock_error_ms / 1e3)
         elif isinstance(event, Lost):
             self._mark(f"service/lost/{event.node}", now.lsl_s)
 
     def _frame(self, frame: TouchFrame, now: Arrival) -> None:
         if frame.session != self._session:
-            self._clock.restart()
+            if self._session:
+                self._clock.restart()
+            self._session, self._announced = frame.session, False
         frame_s = frame.time_us / 1e6
         self._clock.read(frame_s, now)
         if self._output is None:
             self._wait(frame, now)
-        if frame.session != self._session and self._output is not None:
-            self._session = frame.session
+        if self._output is None:
+            return
+        if not self._announced:
             self._mark(f"service/session/{frame.session}", self._clock.to_lsl(frame_s))
-        if self._output is not None:
-            self._push(frame, self._output)
+            self._announced = True
+        self._push(frame, self._output)
 
     def _wait(self, frame: TouchFrame, now: Arrival) -> None:
         """Create the streams once everything for their description has arrived."""
         self._delays_s.append(self._clock.pipeline_s)
         count = len(self._delays_s)
-        if count < FEWEST or (self._scene is None and count < PATIENCE):
+        described = self._scene is not None and self._clock.reported
+        if count < FEWEST or (count < PATIENCE and not described):
             return
         rate_hz = DEFAULT_RATE_HZ if self._scene is None else self._scene.rate_hz
         rate_hz = rate_hz or DEFAULT_RATE_HZ
@@ -85,7 +90,7 @@ class Bridge:
             frame.surface,
             self._scene,
             rate_hz,
-            self._clock.kind,
+            self._clock.kind or self._clock.wanted,
             delay_s,
             now.unix_s,
         )

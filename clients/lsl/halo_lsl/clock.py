@@ -44,24 +44,43 @@ class Arrival:
 class Clock:
     """The offset between the frames' clock and LSL's."""
 
-    kind: Kind = Kind.AUTO
+    wanted: Kind = Kind.AUTO
     delay_s: float = 0.0
     """Of the fastest frame from exposure to arrival; used by `arrival` alone."""
-    error_s: float = 0.0
-    """Unix time minus the time in frames, as the service reports it."""
     pipeline_s: float = 0.0
     """From exposure to arrival of the last frame; of `arrival`, above the fastest one."""
+    kind: Kind | None = None
+    """What is used; None before the first frame."""
+    _error_s: float | None = None
+    """Unix time minus the time in frames, as the service reports it; None before."""
     _offset_s: float | None = None
     _read_s: float = 0.0
     _arrivals: deque[float] = field(default_factory=lambda: deque(maxlen=WINDOW))
 
+    @property
+    def reported(self) -> bool:
+        """Whether the service has reported the error of its clock."""
+        return self._error_s is not None
+
+    def report(self, error_s: float) -> None:
+        """Process the service's report: Unix time minus the time in frames.
+
+        The first one is used at once: the host's clock may have been set long ago.
+        """
+        if self._error_s is None:
+            self._offset_s = self.kind = None
+        self._error_s = error_s
+
     def read(self, frame_s: float, now: Arrival) -> None:
         """Process the arrival of a frame."""
-        if self.kind is Kind.AUTO:
-            near = abs(now.unix_s - frame_s) < SAME_CLOCK_S
-            self.kind = Kind.HOST if near else Kind.ARRIVAL
+        error_s = self._error_s or 0.0
+        if self.kind is None:
+            near = abs(now.unix_s - error_s - frame_s) < SAME_CLOCK_S
+            self.kind = self.wanted
+            if self.wanted is Kind.AUTO:
+                self.kind = Kind.HOST if near else Kind.ARRIVAL
         if self.kind is Kind.HOST:
-            self._follow(now.lsl_s - now.unix_s + self.error_s, now.lsl_s)
+            self._follow(now.lsl_s - now.unix_s + error_s, now.lsl_s)
         else:
             self._arrivals.append(now.lsl_s - frame_s)
             self._offset_s = min(self._arrivals) - self.delay_s
@@ -69,7 +88,7 @@ class Clock:
 
     def restart(self) -> None:
         """Another session has another clock."""
-        self._offset_s = None
+        self._offset_s = self._error_s = self.kind = None
         self._arrivals.clear()
 
     def to_lsl(self, frame_s: float) -> float:

@@ -37,10 +37,33 @@ def test_when_the_host_s_clock_is_set_no_sample_moves_by_a_millisecond(jump_s: f
         if jumped:
             frame_error_s += min(abs(jump_s), 0.0005 / 30) * (1 if jump_s > 0 else -1)
         if n % 30 == 0:
-            clock.error_s = (jump_s if jumped else 0.0) - frame_error_s
+            clock.report((jump_s if jumped else 0.0) - frame_error_s)
         frame_s = UNIX_S + at_s + frame_error_s
         clock.read(frame_s, arrival(at_s + 0.05, jump_s if jumped else 0.0))
         assert abs(clock.to_lsl(frame_s) - (LSL_S + at_s)) < 0.001
+
+
+@pytest.mark.parametrize("error_s", [-30.0, 0.004, 7.0])
+def test_a_host_s_clock_that_was_set_before_is_allowed_for_at_once(error_s: float) -> None:
+    """The service has followed a part of the way; it says so a second after the first frame."""
+    clock = Clock()
+    for n in range(60):
+        frame_s = UNIX_S + n / 30 - error_s
+        if n == 30:
+            clock.report(error_s)
+        clock.read(frame_s, arrival(n / 30 + 0.05))
+        if n >= 30:
+            assert clock.to_lsl(frame_s) == pytest.approx(LSL_S + n / 30, abs=1e-5)
+    assert clock.kind is Kind.HOST
+
+
+def test_a_restarted_service_has_no_error_of_the_one_before() -> None:
+    clock = Clock()
+    clock.report(7.0)
+    clock.read(UNIX_S - 7.0, arrival(0.05))
+    clock.restart()
+    clock.read(UNIX_S + 1.0, arrival(1.05))
+    assert clock.to_lsl(UNIX_S + 1.0) == pytest.approx(LSL_S + 1.0, abs=1e-5)
 
 
 def test_a_clock_of_another_machine_is_read_off_the_fastest_arrivals() -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from halo_lsl.streams import STREAMS
-from halo_protocol import Frame, Scene, encode, encode_frame
+from halo_protocol import Frame, Health, Scene, encode, encode_frame
 
 try:
     import pylsl
@@ -69,6 +69,8 @@ class Service:
         if number % 10 == 0:
             scene = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 1, 2, RATE_HZ)
             self._socket.sendto(encode("table", scene), self._address)
+            health = Health("desk", "s1", RATE_HZ, 3.0, 0, 0, 3, 1)
+            self._socket.sendto(encode("table", health), self._address)
         exposed_us = time.time_ns() // 1000 - self._delays.randrange(20_000, 24_000)
         self.exposed_s[number] = exposed_us / 1e6
         phase = number % 10

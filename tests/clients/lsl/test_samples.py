@@ -104,6 +104,10 @@ def scene(revision: int = 1) -> Report:
     )
 
 
+def health() -> Report:
+    return Report("table", Health("desk", "s1", 30.0, 3.0, 0, 0, 3, 1))
+
+
 def bridged(events: list[Event]) -> Log:
     log = Log()
     bridge = Bridge(Clock(Kind.ARRIVAL), log.create)
@@ -115,7 +119,7 @@ def bridged(events: list[Event]) -> Log:
 
 def test_the_streams_are_created_once_and_describe_the_service(wire: Any) -> None:
     frames = [wire.frame(n, [wire.finger()]) for n in range(40)]
-    (setup,) = bridged([frames[0], scene(), *frames[1:], scene()]).setups
+    (setup,) = bridged([frames[0], scene(), health(), *frames[1:], scene()]).setups
     tree = description(POINTERS, setup)
     assert tree["acquisition"]["source"] == "virtual"
     calibration = tree["acquisition"]["calibration"]
@@ -140,8 +144,7 @@ def test_without_a_scene_the_streams_come_a_little_later(wire: Any) -> None:
 def test_what_happens_to_the_service_is_a_marker(wire: Any) -> None:
     frames = [wire.frame(n, [wire.finger()]) for n in range(20)]
     restarted = [replace(wire.frame(n, []), session="s2") for n in range(20, 25)]
-    health = Report("table", Health("desk", "s1", 30.0, 3.0, 0, 0, 3, 1, clock_error_ms=4.0))
-    log = bridged([scene(), *frames, health, scene(2), Lost("table", "desk", "s1"), *restarted])
+    log = bridged([scene(), health(), *frames, scene(2), Lost("table", "desk", "s1"), *restarted])
     assert log.texts() == [
         "service/session/s1", "calibration/revision/2", "service/lost/desk", "service/session/s2",
     ]  # fmt: skip
@@ -149,7 +152,7 @@ def test_what_happens_to_the_service_is_a_marker(wire: Any) -> None:
 
 def test_a_recorded_drummer_gives_every_contact_once_and_regular_samples() -> None:
     frames = list(recorded("drumming"))
-    log = bridged([scene(), *frames])
+    log = bridged([scene(), health(), *frames])
     downs = [values for stream, values, _ in log.sent if stream is CONTACTS and values[0] == 1.0]
     assert len(downs) == sum(len(frame.downs) for frame in frames)
     times = [at for stream, _, at in log.sent if stream is POINTERS]

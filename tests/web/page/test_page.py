@@ -367,7 +367,7 @@ def test_from_an_empty_folder_to_a_verified_profile_through_the_page_alone(
     # A small surface has few crossings to verify, and the virtual user needs its time for each.
     for step in STEPS:
         if step == "surface":
-            page.fill("#surface-width_mm", "150")
+            page.fill("#surface-width_mm", "100")
             page.fill("#surface-height_mm", "100")
         started_s = time.monotonic()
         if step in ("camera", "background"):

@@ -25,7 +25,7 @@ export function mount(root, service) {
       ),
       card(
         "3. Set up your camera",
-        el("p", {}, "Mount an Azure Kinect 45 to 70 cm above the table. It looks down. Set up measures the table and your finger, step by step, in about five minutes."),
+        el("p", {}, "Mount an Orbbec Femto Bolt or Mega, or an Azure Kinect, 45 to 70 cm above the table. It looks down. Set up measures the table and your finger, step by step, in a few minutes."),
         el("a", { className: "button", href: "#setup" }, "Open Set up"),
       ),
     ),

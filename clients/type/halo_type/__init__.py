@@ -1,8 +1,8 @@
 """A keyboard on a table: phrases, text, and how well it was typed.
 
-Rule: a pure core (`layout`, `touch_model`, `typist`, `metrics`, `results`) and thin input and
+Rule: a pure core (`layout`, `typist`, `metrics`, `results`) and thin input and
 output (`sounds`, `view`, `app`). It imports `halo_client` and `halo_protocol`, never the service;
-`layout`, `metrics`, `touch_model` and `phrases` import neither, so the evaluation can use them.
+`layout`, `metrics` and `phrases` import neither, so the evaluation can use them.
 """
 
 import os

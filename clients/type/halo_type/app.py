@@ -64,9 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     logging.basicConfig(format=f"{NAME}: %(message)s", level=logging.WARNING)
     try:
         layout = load_layout(options.layout)
-        typist = Typist(
-            layout, _trials(options, layout), pause_s=options.pause, rectangles=options.rectangles
-        )
+        typist = Typist(layout, _trials(options, layout), pause_s=options.pause)
         if options.render or options.animate:
             return _render(options, typist)
         path = options.results or Path(time.strftime("typing-%Y%m%d-%H%M%S.csv"))
@@ -228,9 +226,6 @@ def _parser() -> argparse.ArgumentParser:
         type=_seconds,
         metavar="S",
         help="a phrase also ends after a pause of S seconds, once half of it is typed",
-    )
-    parser.add_argument(
-        "--rectangles", action="store_true", help="use the keys' edges, and learn no offset"
     )
     parser.add_argument("--participant", default="", metavar="NAME", help="a column of the results")
     parser.add_argument(

@@ -14,14 +14,11 @@ from halo_client.picture import HEIGHT_MM, WIDTH_MM
 from halo_protocol import TouchFrame
 from halo_type.layout import DELETE, DONE, Key, Layout, key_at
 from halo_type.metrics import Entry, Typed, typed
-from halo_type.touch_model import TouchModel
 
 TOP = 0.35
 """The keyboard's far edge over the surface's height: text goes above it."""
 LONGEST = 400
 """Characters of one text; more are ignored."""
-UNSURE = 0.5
-"""Confidence of a touch that has already left when its frame arrives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +62,11 @@ class Typist:
     trials: Sequence[Trial]
     pause_s: float | None = None
     """A phrase ends after such a pause, once half of it is typed; None: with the key `done`."""
-    rectangles: bool = False
-    """Keys are their rectangles, else a probability; see `touch_model`."""
     size_mm: tuple[float, float] = (WIDTH_MM, HEIGHT_MM)
     results: list[Result] = field(default_factory=list)
     shown: Shown = field(init=False)
     _entries: list[Entry] = field(default_factory=list)
     _keys: dict[str, Key] = field(default_factory=dict)
-    _model: TouchModel = field(init=False)
     _placed_for: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -107,12 +101,7 @@ class Typist:
 
     def _strike(self, touch: Began) -> Struck:
         x, y = touch.down.u * self._placed_for[0], touch.down.v * self._placed_for[1]
-        if self.rectangles:
-            character = key_at(self._keys, x, y)
-        else:
-            confidence = touch.pointer.confidence if touch.pointer else UNSURE
-            character = self._model.key_at(x, y, confidence)
-        return Struck(touch.time_us, character, x, y)
+        return Struck(touch.time_us, key_at(self._keys, x, y), x, y)
 
     def _enter(self, struck: Struck) -> None:
         before = self._text
@@ -147,7 +136,6 @@ class Typist:
             self._placed_for = width_mm, height_mm = self.size_mm
             left_mm = (width_mm - self.layout.width_mm) / 2.0
             self._keys = self.layout.placed(left_mm, TOP * height_mm)
-            self._model = TouchModel(self._keys)
 
     def _show(self) -> None:
         last = self.results[-1] if self.results else None

@@ -21,14 +21,13 @@ SEED, SECONDS, PAUSE_S = 3, 18.0, 1.6
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("rectangles", [True, False])
 def test_virtual_typing_gives_the_phrase_with_the_errors_of_the_evaluation(
-    sensed: Callable[[str, float], Any], rectangles: bool
+    sensed: Callable[[str, float], Any],
 ) -> None:
     session = sensed(f"sim:typing?seed={SEED}", SECONDS)
     phrase = in_order_of_seed(PHRASES, SEED)[0]
     trials = [Trial("balanced", 1, phrase), Trial("balanced", 2, "")]
-    typist = Typist(load_layout("qwerty"), trials, pause_s=PAUSE_S, rectangles=rectangles)
+    typist = Typist(load_layout("qwerty"), trials, pause_s=PAUSE_S)
     for frame in halo_client.frames(FileSource(Path(session.stream), paced=False)):
         typist.process(frame)
     result = typist.results[0]

@@ -53,12 +53,12 @@ def _pad(animation: Animation, pad: Pad, hits: Sequence[Hit]) -> list[str]:
 
 def _one_after_the_other(points: list[tuple[int, float]]) -> list[tuple[int, float]]:
     """A glow that has not ended when the next one begins is cut off."""
-    kept: list[tuple[int, float]] = []
+    chosen: list[tuple[int, float]] = []
     for point in points:
-        while kept and kept[-1][0] > point[0]:
-            kept.pop()
-        kept.append(point)
-    return kept
+        while chosen and chosen[-1][0] > point[0]:
+            chosen.pop()
+        chosen.append(point)
+    return chosen
 
 
 def _ring(animation: Animation, hit: Hit) -> str:

@@ -53,8 +53,8 @@ def _stroke(
     dash = length + 3.0 * width
     way = [(at, dash - float(along[counts[pieces - 1]])) for at, pieces in grown if pieces]
     way = [(way[0][0] - 1000, dash + width), *way]
-    kept = np.unique(np.searchsorted(along, np.arange(0.0, length, POINT_MM)))
-    points = " ".join(f"{piece.x[n]:.1f},{piece.y[n]:.1f}" for n in (*kept, len(along) - 1))
+    chosen = np.unique(np.searchsorted(along, np.arange(0.0, length, POINT_MM)))
+    points = " ".join(f"{piece.x[n]:.1f},{piece.y[n]:.1f}" for n in (*chosen, len(along) - 1))
     return [
         f'<mask id="way{number}" maskUnits="userSpaceOnUse" x="0" y="0" '
         f'width="{animation.width_mm:g}" height="{animation.height_mm:g}">',

@@ -1,6 +1,6 @@
 """The sounds of keys, on the drums' mixer: one for letters, others for delete and done.
 
-Rule: pure. Each sound is a pad without a place; see `halo_drums.voices` for how one is made.
+Rule: pure. Each sound is a pad without a place, computed as in `halo_drums.voices`.
 """
 
 from __future__ import annotations

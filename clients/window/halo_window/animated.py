@@ -96,10 +96,10 @@ class Animation:
 
     def _within(self, points: Iterable[Point]) -> list[Point]:
         """The points in time, the last one before the beginning moved to it."""
-        known = sorted(points, key=lambda point: point[0])
-        inside = [point for point in known if self.begin_us < point[0] < self.end_us]
-        before = [point for point in known if point[0] <= self.begin_us]
-        first = before[-1] if before else known[0]
+        ordered = sorted(points, key=lambda point: point[0])
+        inside = [point for point in ordered if self.begin_us < point[0] < self.end_us]
+        before = [point for point in ordered if point[0] <= self.begin_us]
+        first = before[-1] if before else ordered[0]
         return [(self.begin_us, first[1]), *inside]
 
     def _animate(self, attribute: str, points: list[Point], mode: str) -> str:
@@ -116,20 +116,20 @@ class Animation:
 
 def changes(points: Iterable[Point]) -> list[Point]:
     """Only the points at which the value differs from the one before."""
-    kept: list[Point] = []
+    chosen: list[Point] = []
     for at, value in points:
-        if not kept or kept[-1][1] != value:
-            kept.append((at, value))
-    return kept
+        if not chosen or chosen[-1][1] != value:
+            chosen.append((at, value))
+    return chosen
 
 
 def thinned(track: list[tuple[int, Pointer]]) -> list[tuple[int, Pointer]]:
     """Fewer places of a finger; the beginning and the end of a touch stay."""
-    kept = track[:1]
+    chosen = track[:1]
     for at, pointer in track[1:]:
-        if at - kept[-1][0] >= EACH_US or pointer.touching != kept[-1][1].touching:
-            kept.append((at, pointer))
-    return kept
+        if at - chosen[-1][0] >= EACH_US or pointer.touching != chosen[-1][1].touching:
+            chosen.append((at, pointer))
+    return chosen
 
 
 def rgb(colour: Sequence[int]) -> str:

@@ -1,4 +1,4 @@
-"""From frames to text and results, written by hand: each figure has a known value."""
+"""From frames to text and results, written by hand: each figure was computed by hand."""
 
 import csv
 import io

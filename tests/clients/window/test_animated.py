@@ -24,7 +24,7 @@ FIRST_S, EACH_S, SHOWN_S = 1.0, 0.5, 1.0 + 2 * 0.5 + 0.1667 + 1.5
 
 
 def stream(wire: Any) -> list[Any]:
-    """Three touches of 5 frames, each 0.5 s, from (100, 78) on to the right: d... on a keyboard."""
+    """Three touches of 5 frames, each 0.5 s, on the keys d, f and g."""
     frames = []
     for number in range(60):
         contacts, step = divmod(number - 15, 15)

@@ -1,4 +1,4 @@
-"""A picture of which only the changed parts are drawn equals one that is drawn as a whole."""
+"""A picture drawn in its changed parts equals one drawn as a whole."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def decide(serial: str = "") -> str:
     """
     chosen = choose(serial)
     if chosen is not None:
-        log.warning("source: found %s", chosen.title)
+        log.warning("source: found the camera %s", chosen.title)
         return chosen.kind
     log.warning(
         "source: NO CAMERA FOUND, using the VIRTUAL camera: all touches are simulated "

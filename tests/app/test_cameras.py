@@ -83,6 +83,11 @@ def usb(kind: str | None = "femto-bolt", serial: str = "CL8", speed: int = 5000)
 
 FAULTS = {
     "no extra": (usb(), SdkCameras(has_orbbec=False), "but the extra is missing: uv sync --extra"),
+    "no Kinect SDK": (
+        UsbCamera("Azure Kinect", "azure-kinect", "000123", 5000, Path("/dev/null")),
+        SdkCameras(has_kinect=False),
+        "its SDK exists only for Linux and Windows on x86-64",
+    ),
     "USB 2": (usb(speed=480), SdkCameras(), "is on USB 2: plug it into a USB 3 port"),
     "wrong model": (usb(None), SdkCameras(), "without the sensor that halo-service needs"),
     "fine": (usb(), SdkCameras(femtos=(("femto-bolt", "Orbbec FemtoBolt", "CL8"),)), ""),
@@ -100,6 +105,12 @@ def test_a_camera_that_this_user_may_not_open_names_the_fix(tmp_path: Path) -> N
     missing = UsbCamera("Femto Bolt", "femto-bolt", "CL8", 5000, tmp_path / "no-such-node")
     (found,) = merge([missing], SdkCameras())
     assert found.fault.endswith("this user may not open it: halo doctor --fix")
+
+
+def test_a_camera_that_both_see_is_listed_once() -> None:
+    for serial in ("CL8", ""):
+        sdks = SdkCameras(kinects=0, femtos=(("femto-bolt", "Orbbec FemtoBolt", serial),))
+        assert len(merge([usb()], sdks)) == 1
 
 
 def test_what_only_an_sdk_sees_is_listed_too() -> None:
@@ -126,6 +137,7 @@ def test_auto_uses_the_camera_of_the_profile_else_the_first() -> None:
         choice = chosen(found, serial)
         assert choice is not None
         assert choice.kind == kind
+        assert choice.title == ("Femto Bolt CL8" if kind == "femto-bolt" else "Azure Kinect 000123")
 
 
 def test_auto_never_uses_the_virtual_camera_while_a_camera_is_plugged_in(monkeypatch) -> None:

@@ -56,6 +56,8 @@ class SdkCameras:
     """Kind, model and serial number of each."""
     has_orbbec: bool = True
     """Whether the extra is installed."""
+    has_kinect: bool = True
+    """Whether the SDK of the Azure Kinect is installed."""
 
 
 def found_cameras() -> list[FoundCamera]:
@@ -68,19 +70,23 @@ def ask_sdks() -> SdkCameras:
     from halo_service.sources import azure_kinect
     from halo_service.sources.orbbec import sdk
 
-    has_orbbec = importlib.util.find_spec("pyorbbecsdk") is not None
+    has_orbbec, has_kinect = (
+        importlib.util.find_spec(name) is not None for name in ("pyorbbecsdk", "pyk4a")
+    )
     femtos = tuple((each.kind, each.name, each.serial) for each in sdk.plugged())
-    return SdkCameras(azure_kinect.connected(), femtos, has_orbbec)
+    return SdkCameras(azure_kinect.connected(), femtos, has_orbbec, has_kinect)
 
 
 def merge(usb: Sequence[UsbCamera], sdks: SdkCameras) -> list[FoundCamera]:
     """Join what the USB shows and what the SDKs see. Pure."""
     found = [_on_usb(camera, sdks) for camera in usb]
     listed = {camera.serial for camera in found if camera.serial}
+    kinds = {camera.kind for camera in found}
     found += [
         FoundCamera(TITLES[kind] if kind else name, kind, serial, "" if kind else _WRONG_MODEL)
         for kind, name, serial in sdks.femtos
-        if serial not in listed
+        # Without permission, the SDK sees a camera and not its serial number.
+        if serial not in listed and (serial or kind not in kinds)
     ]
     seen = sum(camera.kind == "azure-kinect" for camera in found)
     title = TITLES["azure-kinect"]
@@ -121,7 +127,7 @@ def chosen(found: Sequence[FoundCamera], serial: str = "") -> Choice | None:
     ready.sort(key=lambda each: each.serial != serial)
     if ready and ready[0].kind:
         first = ready[0]
-        return Choice(ready[0].kind, " ".join(filter(None, ("an", first.title, first.serial))))
+        return Choice(ready[0].kind, f"{first.title} {first.serial}".strip())
     broken = [each for each in found if each.fault]
     if broken:
         raise UserError(
@@ -148,6 +154,8 @@ def _fault(camera: UsbCamera, sdks: SdkCameras) -> str:
         return _WRONG_MODEL
     if camera.kind != "azure-kinect" and not sdks.has_orbbec:
         return f"an Orbbec camera is there ({what}), but the extra is missing: {EXTRA}"
+    if camera.kind == "azure-kinect" and not sdks.has_kinect:
+        return f"{what} is there, but its SDK exists only for Linux and Windows on x86-64"
     if not camera.may_open:
         return f"{what} is there, but this user may not open it: halo doctor --fix"
     if camera.is_slow:

@@ -181,12 +181,6 @@ def test_without_midi_there_is_one_sentence(run: Run, udp_port: int) -> None:
         (("halo-paint", "--from", "none.jsonl", "--render", "a.png"), "cannot read none.jsonl"),
         (("halo-paint", "--render", "a.png"), "needs a recorded stream"),
         (("halo-type", "--render", "a.csv"), "needs a recorded stream"),
-        (("halo-type", "--layout", "dvorak"), "choose from qwerty, qwertz, azerty"),
-        (("halo-type", "--phrases", "none.txt"), "cannot read none.txt"),
-        (("halo-type", "--seed", "-3"), "'-3' is no number from 0 on"),
-        (("halo-type", "--tasks", ","), "give at least one name"),
-        (("halo-type", "--results", "none/a.csv"), "there is no folder none"),
-        (("halo-type", "--results", "/dev/null"), "/dev/null exists"),
         (("halo-paint", "--from", "a.jsonl", "--render", "a.gif"), "is neither a .png nor a .svg"),
         (
             ("halo", "demo", "flute"),
@@ -210,10 +204,6 @@ def test_wrong_use_gives_one_sentence(run: Run, command: tuple[str, ...], messag
         ("halo-midi", "--render", "it.mid"),
         ("halo-paint", "--render", "it.svg"),
         ("halo-paint", "--render", "it.png"),
-        ("halo-type", "--render", "it.csv"),
-        ("halo-type", "--animate", "it.svg"),
-        ("halo-paint", "--animate", "it.svg"),
-        ("halo-drums", "--animate", "it.svg"),
     ],
 )
 def test_a_file_is_written_and_named_and_a_missing_folder_gives_one_sentence(

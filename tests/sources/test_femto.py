@@ -9,8 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from halo_service.app.sources import open_source
 from halo_service.errors import UserError
+from halo_service.settings import SourceSettings
 from halo_service.sources.camera_name import CameraOptions
+from halo_service.sources.orbbec import femto
 from halo_service.sources.orbbec.bag import Bag
 from halo_service.sources.orbbec.femto import Femto
 from halo_service.sources.orbbec.sdk import PRODUCTS
@@ -178,6 +181,21 @@ def test_the_temperature_is_in_the_note_about_the_warm_up(bench) -> None:
     assert warm_up_note(source).startswith("cold (sensor 42 °C): distance may move by 2 mm")
     bench.devices[0].celsius = 0.0  # what a device reports that has no such sensor
     assert warm_up_note(source).startswith("cold: distance may move by 2 mm in the next 30 minutes")
+
+
+def test_of_two_bolts_the_profiles_own_is_opened_and_again_after_a_loss(bench, monkeypatch) -> None:
+    monkeypatch.setattr(femto, "load", bench.sdk)
+    name = "femto-bolt,mode=NFOV_2X2BINNED"
+    for serial, source in (("B", f"{name},serial=B"), ("B", name), ("A", f"{name},serial=A")):
+        opened_one, _ = open_source(SourceSettings(source), "B" if source == name else "")
+        assert opened_one.camera.serial == serial
+    first, reopen = open_source(SourceSettings(name))
+    assert first.camera.serial == "A"
+    lost = bench.devices.pop(0)
+    with pytest.raises(UserError, match="the Femto Bolt A is not plugged in; here: B"):
+        reopen()
+    bench.devices.append(lost)  # it comes back behind the other
+    assert reopen().camera.serial == "A"
 
 
 def test_another_model_is_named(bench) -> None:

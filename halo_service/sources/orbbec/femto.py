@@ -44,15 +44,17 @@ class Femto:
         self,
         kind: CameraKind,
         options: CameraOptions = CameraOptions(),  # noqa: B008 - frozen
-        sdk: Callable[[], Sdk] = load,
+        sdk: Callable[[], Sdk] | None = None,
         now_s: Callable[[], float] = time.monotonic,
     ) -> None:
         """Start the camera with this serial number; without one the first of this kind.
 
+        `sdk`: loads the SDK; None: the installed one. `now_s`: a monotonic clock.
+
         Raises UserError if there is none or it cannot be started.
         """
         self._title = TITLES[kind]
-        self._sdk = sdk()
+        self._sdk = (sdk or load)()
         self._ob = self._sdk.module
         self._now_s = now_s
         self._listed = not options.address

@@ -1,8 +1,7 @@
 """A live Azure Kinect, through pyk4a, the Python wrapper of its SDK.
 
-Rule: pyk4a is imported only here, and only when a camera is opened; many machines lack it. Depth
-NFOV unbinned with its infrared, colour 720p as the camera's own JPEG, 30 fps, only captures that
-have both.
+Rule: pyk4a is imported only here, and only when a camera is looked for; many machines lack it.
+Depth with its infrared, colour 720p as the camera's own JPEG, 30 fps, only captures that have both.
 
 Tested without a camera: no camera connected, the calibration, and a capture of the SDK's playback
 turned into a frame. Tested with a fake device: options, unplug, a wrong serial number. Not tested:

@@ -34,6 +34,7 @@ from halo_service.app.first_light.report import Account, report_page
 from halo_service.app.first_light.sensed import Sensed
 from halo_service.app.first_light.session import Cutter, Followed, follow_tasks
 from halo_service.app.hand_detector import HandDetector, model_for
+from halo_service.app.sources import decide, is_sim
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.errors import UserError
 from halo_service.evaluation.metrics.result import Subject
@@ -69,6 +70,7 @@ def first_light(settings: Settings, request: FirstLightRequest) -> Path:
     """
     if not settings.profile:
         raise UserError("first-light: name a new or existing profile: --profile desk")
+    settings = _decided(settings)
     _require_healthy(settings)
     folder = _folder(request.folder)
     with ExitStack() as stack:
@@ -97,6 +99,15 @@ def first_light(settings: Settings, request: FirstLightRequest) -> Path:
     with appearing(folder / REPORT) as file:
         file.write(report_page(account).encode())
     return folder / REPORT
+
+
+def _decided(settings: Settings) -> Settings:
+    """Decide once what `auto` means, so that each step has the same camera."""
+    if settings.source.name != "auto":
+        return settings
+    saved = _saved(settings)
+    name = decide(saved.camera.serial if saved else "")
+    return replace(settings, source=replace(settings.source, name=name))
 
 
 def _say(words: str) -> None:
@@ -161,7 +172,7 @@ def _calibrated(settings: Settings, request: FirstLightRequest, announcer: Annou
 
     for step in missing(_saved(settings)):
         calibrate(settings, replace(base, step=step), terminal)
-        if step == "background" and not settings.source.name.startswith("sim"):
+        if step == "background" and not is_sim(settings.source.name):
             by_sheet = replace(base, step="surface", place=PlaceRequest(by="markers"))
             calibrate(settings, by_sheet, terminal)
     profile = load(profile_path(settings.profile))

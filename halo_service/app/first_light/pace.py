@@ -27,9 +27,9 @@ SETTLED_S = {"hover": 1.0, "pressure": 1.5}
 """How long a finger must be still before it is measured: a scale needs time to be read."""
 HOLD_S = 1.0
 """How long it is measured."""
-STILL_MM = 6.0
+STILL_MM = 8.0
 """A still fingertip is found within this for 90 % of the time; the calibration wants 5 mm."""
-STEADY, NOISE = 0.35, 0.15
+STEADY, NOISE = 0.35, 0.25
 """A still finger's halo varies by less than this share of its median, or of a touch's halo."""
 ATTEMPTS = 3
 """So often a level may be lost while it is measured."""

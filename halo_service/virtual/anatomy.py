@@ -116,7 +116,9 @@ def hand_mesh(girth: float, nail_over_mm: float = 0.0) -> Mesh:
     return Mesh(
         np.concatenate([part.vertices for part in parts]),
         np.concatenate([part.normals for part in parts]),
-        np.concatenate([part.faces + start for part, start in zip(parts, first, strict=False)]),
+        np.asfortranarray(
+            np.concatenate([part.faces + start for part, start in zip(parts, first, strict=False)])
+        ),
         np.concatenate([part.weights for part in parts]),
     )
 
@@ -178,7 +180,7 @@ def _skin_mesh(girth: float) -> Mesh:
     vertices, faces = surface_nets(field, axes)
     normals = gradient(field, vertices)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return Mesh(vertices, normals, faces, skin_weights(flesh, vertices))
+    return Mesh(vertices, normals, np.asfortranarray(faces), skin_weights(flesh, vertices))
 
 
 def skin_weights(flesh: list[Capsule], vertices: Floats) -> Floats:

@@ -48,7 +48,7 @@ def colour(user: User) -> Reflectance:
     skin[nails] = 0.6 * skin[nails] + 0.4 * np.array(NAIL_COLOUR)
     skin[_ringed(user)] = RING_COLOUR
     skin[_sleeve(user)] = CLOTH_COLOUR
-    return skin.astype(np.float32)
+    return np.asfortranarray(skin.astype(np.float32))
 
 
 @functools.lru_cache(maxsize=8)

@@ -17,7 +17,7 @@ from halo_service.geometry.surface import Surface
 from halo_service.virtual import scene
 from halo_service.virtual.bodies import Body
 from halo_service.virtual.camera import shrunk
-from halo_service.virtual.mesh import Floats, Ints
+from halo_service.virtual.mesh import Floats, Ints, in_frame
 from halo_service.virtual.pictures import Picture, Show, show, still
 from halo_service.virtual.props import SOLID
 from halo_service.virtual.render import rasterise
@@ -144,25 +144,24 @@ class ColourImager:
 
     def _write(self, body: Body, into: _Lit) -> Ints:
         """Put a body where it is nearer than what is there, in place; returns its flat pixels."""
-        points = body.vertices @ self._from_surface[:3, :3].T + self._from_surface[:3, 3]
-        seen = rasterise(self._lens, points, body.faces)
-        lamp = AMBIENT + (1.0 - AMBIENT) * np.clip(body.normals @ LAMP, 0.0, 1.0)
-        lit = body.colour * (self._room_gain * lamp[:, None])
-        rows = [points[:, 2:].T, lit.T]
+        seen = rasterise(self._lens, in_frame(self._from_surface, body.vertices), body.faces)
+        seen = seen.only(np.flatnonzero(seen.depth < into.depth.ravel().take(seen.pixel)))
+        normal_x, normal_y, normal_z = body.normals.T
+        towards_lamp = normal_x * LAMP[0] + normal_y * LAMP[1] + normal_z * LAMP[2]
+        lamp = AMBIENT + (1.0 - AMBIENT) * np.clip(towards_lamp, 0.0, 1.0)
+        colour = body.colour.T
+        at_vertex = [colour * (self._room_gain * lamp)]
         if self._show is not None:
             towards = self._projector.towards(body.vertices)
             facing = np.clip(np.einsum("ij,ij->i", body.normals, towards), 0.0, 1.0)
-            rows += [255.0 * body.colour.T * facing]
-            rows += [self._projector.pixels(body.vertices).T - 0.5]
-        at_pixel = seen.mix(np.concatenate(rows).astype(np.float32))
-        nearer = np.flatnonzero(at_pixel[0] < into.depth.ravel().take(seen.pixel))
-        pixel, at_pixel = seen.pixel.take(nearer), at_pixel.take(nearer, axis=1)
-        into.depth.ravel()[pixel] = at_pixel[0]
-        into.room.reshape(-1, 3)[pixel] = np.minimum(at_pixel[1:4], 255.0).T
+            at_vertex += [255.0 * colour * facing, self._projector.pixels(body.vertices).T - 0.5]
+        at_pixel = seen.mix(np.concatenate(at_vertex).astype(np.float32))
+        into.depth.ravel()[seen.pixel] = seen.depth
+        _paint(into.room, seen.pixel, at_pixel[:3])
         if self._show is not None:
-            into.thrown.reshape(-1, 3)[pixel] = np.minimum(at_pixel[4:7], 255.0).T
-            into.source.reshape(-1, 2)[pixel] = at_pixel[7:9].T
-        return pixel
+            _paint(into.thrown, seen.pixel, at_pixel[3:6])
+            into.source.reshape(-1, 2)[seen.pixel] = at_pixel[6:8].T
+        return seen.pixel
 
     def _throw(self, now: _Lit, picture: Bgr, bodies: Sequence[Body]) -> Bgr:
         """Add the projector's light; bodies cast shadows on the table, not on themselves."""
@@ -216,6 +215,13 @@ class ColourImager:
         share = cv2.filter2D(mask[box], -1, line)[..., None]
         body = cv2.filter2D(image[box].astype(np.float32) * mask[box][..., None], -1, line)
         image[box] = (before[box] * (1.0 - share) + body).astype(np.uint8)
+
+
+def _paint(image: Bgr, pixel: Ints, colour: Image) -> None:
+    """Set flat pixels of an image to (3, N) colours, in place."""
+    channels, first = image.reshape(-1), 3 * pixel
+    for channel, values in enumerate(np.minimum(colour, np.float32(255.0))):
+        channels[first + channel] = values
 
 
 def _sample(picture: Bgr, source: Image) -> Bgr:

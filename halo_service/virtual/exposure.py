@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.virtual.boxes import Box, grown
 from halo_service.virtual.mesh import Ints
 
 Image = NDArray[np.float32]
@@ -33,8 +34,8 @@ def smear(
     moving: NDArray[np.uint8],
     pixel: Ints,
     streak_px: tuple[float, float],
-) -> None:
-    """Expose images in which a body moves, in place.
+) -> Box:
+    """Expose images in which a body moves, in place; return where.
 
     `before` and `after`: (H, W) images without the body and with it, depth first; `pixel`: where
     it is, flat. `covered` is set where it mostly is; `moving` where it is for a part of the time,
@@ -45,10 +46,7 @@ def smear(
     mask = np.zeros(covered.shape, np.uint8)
     mask.ravel()[pixel] = 1
     x, y, width, height = cv2.boundingRect(mask)
-    box = (
-        slice(max(0, y - reach), y + height + reach),
-        slice(max(0, x - reach), x + width + reach),
-    )
+    box = grown((slice(y, y + height), slice(x, x + width)), reach, None, mask.shape)
     body = mask[box].astype(np.float32)
     share = cv2.filter2D(body, -1, kernel, borderType=cv2.BORDER_REPLICATE)
     rows, columns = np.nonzero((share > 0.0) & (share < 1.0))
@@ -65,6 +63,7 @@ def smear(
     moving[box][rows[partly], columns[partly]] = 255
     covered[box][body > 0.0] = 0
     covered[box][share >= 0.5] = 255
+    return box
 
 
 def _kernel(dx: float, dy: float) -> Image:

@@ -82,7 +82,9 @@ def _windows() -> list[Depth]:
     rows, columns = np.mgrid[:WINDOW_PX, :WINDOW_PX]
     plane = np.column_stack([np.ones(WINDOW_PX**2), rows.ravel(), columns.ravel()])
     base, _ = np.linalg.qr(plane)
-    flat = [frame[:WINDOW_PX, :WINDOW_PX].ravel() for frame in _noise()]
+    count = _noise().shape[1] // WINDOW_PX
+    cut = _noise().reshape(-1, count, WINDOW_PX, count, WINDOW_PX).swapaxes(2, 3)
+    flat = cut.reshape(-1, WINDOW_PX**2)
     return [(w - base @ (base.T @ w)).reshape(WINDOW_PX, WINDOW_PX) for w in flat]
 
 

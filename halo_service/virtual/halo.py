@@ -16,13 +16,14 @@ real one averages).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from halo_service.virtual.boxes import Box
 from halo_service.virtual.mesh import Floats
 
 APPROACH_MM, CONTACT_MM, PRESS_MM = 22.0, 5.0, 9.0
@@ -312,14 +313,19 @@ def glow_field(
 
 
 def dent_field(
-    dents: list[Dent], x_mm: NDArray[np.float32], y_mm: NDArray[np.float32]
+    dents: list[Dent],
+    x_mm: NDArray[np.float32],
+    y_mm: NDArray[np.float32],
+    boxes: Sequence[Box] | None = None,
 ) -> NDArray[np.float32]:
     """Depth of all dents melted together at places on the surface, mm; any shape of x and y.
 
     The footprint exp(-(r / radius)^3) is flat under the finger and has a soft shoulder: at the
     finger's edge (7 mm of 11) three quarters are left, at the patch's end (15) a twelfth. Chosen.
+    `boxes`: the part of x and y that each dent reaches; None: all.
     """
     total = np.zeros(x_mm.shape, np.float32)
-    for dent in dents:
-        total += dent.shares(x_mm, y_mm)
+    for number, dent in enumerate(dents):
+        box = boxes[number] if boxes else ...
+        total[box] += dent.shares(x_mm[box], y_mm[box])
     return np.asarray(np.cbrt(total) if MELT == 3.0 else total ** (1.0 / MELT), dtype=np.float32)

@@ -5,6 +5,7 @@ Rule: geometry only. `anatomy` has the shape of a hand, `hand` its postures.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -31,7 +32,7 @@ class Capsule:
     """The joint frame that carries it."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """A closed triangle mesh in its rest pose, and which bone pulls at which vertex."""
 
@@ -44,11 +45,21 @@ class Mesh:
     weights: Floats
     """(V, B), each row adds up to 1."""
 
+    @functools.cached_property
+    def pull(self) -> Floats:
+        """(B, V) the weights, row by row."""
+        return np.ascontiguousarray(self.weights.T)
 
-def lengths(vectors: Floats) -> Floats:
-    """(N,) of (N, 3); several times faster than `np.linalg.norm` over three columns."""
-    x, y, z = vectors.T
-    return np.asarray(np.sqrt(x * x + (y * y + z * z)), dtype=np.float64)
+    @functools.cached_property
+    def rows(self) -> Floats:
+        """(6, V) x, y and z of the vertices, then of the normals."""
+        return np.ascontiguousarray(np.column_stack([self.vertices, self.normals]).T)
+
+
+def in_frame(frame_from_mesh: Floats, points: Floats) -> Floats:
+    """(N, 3) points in another frame, by a (4, 4) transform; x, y and z lie one after the other."""
+    moved = frame_from_mesh[:3, :3] @ points.T + frame_from_mesh[:3, 3:]
+    return np.asarray(moved.T, dtype=np.float64)
 
 
 def capsule_distances(capsules: list[Capsule], points: Floats) -> Floats:

@@ -6,11 +6,15 @@ pools: larger images that are cut at a new random place, and turned over, each t
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Camera, Lens
+from halo_service.virtual.boxes import Box
 from halo_service.virtual.camera import MODES, px_times
 from halo_service.virtual.depth_image import Ideal
 from halo_service.virtual.room import Room
@@ -39,6 +43,8 @@ TOO_DARK = 12.0
 """Below this many counts the device gives no depth; chosen."""
 GRAIN = 2.0
 """Noise of the colour image, grey levels; chosen."""
+_BAND_ROWS = 64
+"""An image is read in parts that stay in the processor's cache from one step to the next."""
 _SPARE = 400
 """How much larger a pool is than an image, px: so many places to cut it at, each way."""
 _COLOUR_ROWS, _COLOUR_COLUMNS = 720, 1280
@@ -50,10 +56,10 @@ of them out of a window of 72 px, as on the real recording."""
 class Pool:
     """Random numbers, larger than an image."""
 
-    def __init__(self, numbers: Image, shape: tuple[int, int]) -> None:
+    def __init__(self, numbers: NDArray[Any], shape: tuple[int, int]) -> None:
         self._numbers, self._shape = numbers, shape
 
-    def draw(self, rng: np.random.Generator) -> Image:
+    def draw(self, rng: np.random.Generator) -> NDArray[Any]:
         """A view of as many numbers as an image has."""
         return self._numbers[self.place(rng, self._shape)]
 
@@ -68,7 +74,8 @@ class Pool:
 class Electronics:
     """The noise of one device in one room."""
 
-    def __init__(self, room: Room, camera: Camera) -> None:
+    def __init__(self, room: Room, camera: Camera, empty: Ideal) -> None:
+        """`empty`: the room without hands."""
         lens, model = camera.depth, room.sensor
         self._times, self._model = np.float32(room.noise), model
         shape = lens.height, lens.width
@@ -81,33 +88,58 @@ class Electronics:
         self._brighter, self._darker = (
             np.maximum(sign, 0).astype(np.uint8) for sign in (step, -step)
         )
-        self._correlated = Pool(_boxed(white, model.noise_box_px), shape)
+        part = white[: size[0], : size[1]]
+        self._photons = Pool(np.float32(1.0) + np.float32(IR_NOISE) * part, shape)
+        # 0.5: a device cuts; the sum in `infrared` rounds.
+        self._counts = Pool(np.float32(IR_FLOOR) * part - np.float32(0.5), shape)
+        self._correlated = Pool(_boxed(part, model.noise_box_px), shape)
         self._slow = Pool(_waves(rng, size), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
-        self._too_dark = Pool(dark.astype(np.float32), shape)
+        self._too_dark = Pool(_clipped(np.ceil(dark)), shape)
         self._pattern = _fixed_pattern(lens)
         self._seen = _most_counts(_flicker(lens, MODES[camera.depth_mode].field, model), model)
         self._holes = room.surface_material.holes
+        self.furnish(empty)
 
-    def depth(self, seen: Ideal, age_s: float, rng: np.random.Generator) -> NDArray[np.uint16]:
-        """(H, W) uint16, mm, 0 where nothing is measured."""
-        infrared = seen.infrared
-        read: Image = np.float32(PHOTON_MM**2 * PHOTON_IR) / infrared
-        read += np.float32(FLOOR_MM**2)
-        cv2.sqrt(read, dst=read)
-        cv2.multiply(read, self._correlated.draw(rng), dst=read, scale=self._turned(rng))
-        if self._model.slow_noise_mm:
-            slow_mm = self._turned(rng) * self._model.slow_noise_mm
-            cv2.scaleAdd(self._slow.draw(rng), slow_mm, read, dst=read)
+    def furnish(self, empty: Ideal) -> None:
+        """Expect another empty room: only where a frame differs from it there is more to do."""
+        self._empty = self._before_noise(empty, _everywhere(empty.depth))
+
+    def depth(
+        self, seen: Ideal, changed: Box | None, age_s: float, rng: np.random.Generator
+    ) -> NDArray[np.uint16]:
+        """(H, W) uint16, mm, 0 where nothing is measured.
+
+        `changed`: where it may differ from the empty room.
+        """
         drift = -DRIFT_MM * float(np.exp(-max(age_s, 0.0) / self._model.warm_up_s))
-        # 0.5: the cast below cuts, this rounds.
-        cv2.addWeighted(read, 1.0, seen.depth, 1.0, drift + 0.5, dst=read)
-        cv2.add(read, self._pattern, dst=read)
-        valid = cv2.compare(cv2.min(infrared, self._seen), self._too_dark.draw(rng), cv2.CMP_GE)
-        whole = read.astype(np.uint16)
+        noise = _DepthNoise(
+            self._correlated.draw(rng),
+            self._turned(rng),
+            self._slow.draw(rng),
+            self._turned(rng) * self._model.slow_noise_mm,
+            self._too_dark.draw(rng),
+            drift,
+        )
+        read: NDArray[np.uint16] = np.empty(seen.depth.shape, np.uint16)
+        for band in _bands(read.shape[0]):
+            read[band] = noise.read(self._empty.rows(band), (band, slice(None)))
+        if changed is not None:
+            read[changed] = noise.read(self._before_noise(seen, changed), changed)
         if self._holes:
-            valid[(rng.random(valid.shape, np.float32) < self._holes) & (seen.covered == 0)] = 0
-        return np.asarray(cv2.bitwise_and(whole, whole, mask=valid), dtype=np.uint16)
+            gone = rng.random(read.shape, np.float32) < self._holes
+            read[gone & (seen.covered == 0)] = 0
+        return read
+
+    def _before_noise(self, seen: Ideal, box: Box) -> _Quiet:
+        infrared = seen.infrared[box]
+        deviation: Image = np.float32(PHOTON_MM**2 * PHOTON_IR) / infrared
+        deviation += np.float32(FLOOR_MM**2)
+        return _Quiet(
+            np.asarray(seen.depth[box] + self._pattern[box], np.float32),
+            np.asarray(cv2.sqrt(deviation), np.float32),
+            _clipped(np.minimum(infrared, self._seen[box])),
+        )
 
     def _turned(self, rng: np.random.Generator) -> float:
         """The room's share of the noise, of either sign: what is drawn twice stays independent."""
@@ -115,18 +147,68 @@ class Electronics:
 
     def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:
         """(H, W) uint16 counts, 65535 where it saturates."""
-        read = cv2.multiply(ideal, self._white.draw(rng), scale=IR_NOISE)
-        cv2.scaleAdd(self._white.draw(rng), IR_FLOOR, read, dst=read)
-        cv2.add(read, ideal, dst=read)
-        cv2.threshold(read, 65535.0, 0.0, cv2.THRESH_TRUNC, dst=read)
-        cv2.threshold(read, 0.0, 0.0, cv2.THRESH_TOZERO, dst=read)
-        return np.asarray(read, dtype=np.uint16)
+        photons, counts = self._photons.draw(rng), self._counts.draw(rng)
+        read: NDArray[np.uint16] = np.empty(ideal.shape, np.uint16)
+        for band in _bands(len(read)):
+            light = cv2.multiply(ideal[band], photons[band])
+            cv2.add(light, counts[band], dst=read[band], dtype=cv2.CV_16U)
+        return read
 
     def grain(self, image: NDArray[np.uint8], rng: np.random.Generator) -> None:
         """Add noise to a colour image, in place."""
         cut = self._white.place(rng, image.shape[:2])
         cv2.add(image, cv2.merge([self._brighter[cut]] * 3), dst=image)
         cv2.subtract(image, cv2.merge([self._darker[cut]] * 3), dst=image)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Quiet:
+    """A part of the depth image without noise, and how much of that there is."""
+
+    depth: Image
+    """mm that are read in the mean."""
+    deviation: Image
+    """mm."""
+    seen: NDArray[np.uint8]
+    """Infrared by which depth is readable, at most 255."""
+
+    def rows(self, rows: slice) -> _Quiet:
+        return _Quiet(self.depth[rows], self.deviation[rows], self.seen[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _DepthNoise:
+    """What one frame draws."""
+
+    white: Image
+    white_times: float
+    slow: Image
+    slow_times: float
+    too_dark: NDArray[np.uint8]
+    drift_mm: float
+
+    def read(self, quiet: _Quiet, box: Box) -> NDArray[np.uint16]:
+        """What a part of the image reads."""
+        read = cv2.multiply(quiet.deviation, self.white[box])
+        # 0.5: the cast below cuts, this rounds.
+        cv2.addWeighted(read, self.white_times, quiet.depth, 1.0, self.drift_mm + 0.5, dst=read)
+        cv2.scaleAdd(self.slow[box], self.slow_times, read, dst=read)
+        valid = cv2.compare(quiet.seen, self.too_dark[box], cv2.CMP_GE)
+        return np.asarray(cv2.copyTo(np.asarray(read, np.uint16), valid), dtype=np.uint16)
+
+
+def _clipped(counts: Image) -> NDArray[np.uint8]:
+    """Infrared to 8 bits: what is brighter is readable with certainty."""
+    return np.minimum(counts, np.float32(255.0)).astype(np.uint8)
+
+
+def _everywhere(image: Image) -> Box:
+    return slice(0, image.shape[0]), slice(0, image.shape[1])
+
+
+def _bands(rows: int) -> list[slice]:
+    """An image in parts that stay in the processor's cache from one step to the next."""
+    return [slice(row, min(row + _BAND_ROWS, rows)) for row in range(0, rows, _BAND_ROWS)]
 
 
 def _boxed(white: Image, box_px: int) -> Image:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.geometry.camera import Lens
+from halo_service.virtual.boxes import Box
 from halo_service.virtual.camera import px_times
 from halo_service.virtual.depth_image import Ideal
 from halo_service.virtual.exposure import EDGE_STEP_MM
@@ -28,47 +29,62 @@ STRAY_TIMES = 4
 """Stray light is computed on an image so many times smaller: it has no fine structure."""
 WIDEST_SHADOW_PX = 24
 
-Box = tuple[slice, slice]
+Places = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""Rows and columns of single pixels."""
 
 
 def soften_edges(
     ideal: Ideal, table: Image, model: SensorModel, rng: np.random.Generator
-) -> tuple[Box, NDArray[np.bool_]] | None:
+) -> Places | None:
     """Mix pixels along silhouettes, in place; return where they read nothing."""
-    box = _around(ideal.covered, 4)
+    box = ideal.around(4)
     if box is None:
         return None
-    depth, covered, moving = ideal.depth[box], ideal.covered[box], ideal.moving[box] > 0
-    kernel = np.ones((3, 3), np.uint8)
+    depth, covered, moving = ideal.depth[box], ideal.covered[box], ideal.moving[box]
     wide = np.ones((model.edge_width_px, model.edge_width_px), np.uint8)
-    edge = (cv2.dilate(covered, wide) != cv2.erode(covered, wide)) | moving
-    step = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
-    loss = (step > EDGE_STEP_MM) * np.float32(model.edge_loss)
-    np.copyto(loss, model.moving_edge_loss, where=moving)
-    lost = edge & (rng.random(depth.shape, np.float32) < loss)
-    mixed = cv2.GaussianBlur(depth, (0, 0), model.edge_sigma_px)
-    np.copyto(depth, mixed, where=edge)
+    edge = np.bitwise_or(cv2.morphologyEx(covered, cv2.MORPH_GRADIENT, wide), moving)
+    lost = _lost(depth, moving, edge, model, rng)
+    cv2.copyTo(cv2.GaussianBlur(depth, (0, 0), model.edge_sigma_px), edge, dst=depth)
     # A finger lower than that is averaged with the table around it: its outline fades.
-    low = (covered > 0) & (table[box] - depth < EDGE_STEP_MM)
-    averaged = (1.0 - AVERAGED) * depth + AVERAGED * cv2.blur(depth, (5, 5))
-    np.copyto(depth, averaged, where=low)
-    return box, np.asarray(lost, dtype=np.bool_)
+    low = covered * (table[box] - depth < EDGE_STEP_MM)
+    averaged = cv2.addWeighted(depth, 1.0 - AVERAGED, cv2.blur(depth, (5, 5)), AVERAGED, 0.0)
+    cv2.copyTo(averaged, low, dst=depth)
+    return _in_image(lost, box)
 
 
-def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) -> None:
-    """Let what lies next to a raised thing read nearer, in place."""
+def _lost(
+    depth: Image,
+    moving: NDArray[np.uint8],
+    edge: NDArray[np.uint8],
+    model: SensorModel,
+    rng: np.random.Generator,
+) -> Places:
+    """The places along silhouettes that read nothing: many where the step is high."""
+    step = cv2.morphologyEx(depth, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+    at = np.flatnonzero(((step > EDGE_STEP_MM) | (moving > 0)) & (edge > 0))
+    loss = np.where(moving.ravel().take(at) > 0, model.moving_edge_loss, model.edge_loss)
+    lost = at[rng.random(len(at), np.float32) < loss]
+    return lost // depth.shape[1], lost % depth.shape[1]
+
+
+def _in_image(places: Places, box: Box) -> Places:
+    """From the box to the image."""
+    return places[0] + box[0].start, places[1] + box[1].start
+
+
+def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) -> Box | None:
+    """Let what lies next to a raised thing read nearer, in place; return where."""
     times = px_times(lens)
-    box = _around(ideal.covered, round(3.0 * LONG_PX * times)) if model.stray_light else None
+    box = ideal.around(round(3.0 * LONG_PX * times)) if model.stray_light else None
     if box is None:
-        return
+        return None
     box = _aligned(box)
-    rows, columns = ideal.depth[box].shape
+    # Outside the bodies nothing is raised: the halo lies below the table.
+    raised = cv2.subtract(table[box], ideal.depth[box])
+    cv2.add(raised, ideal.late[box], dst=raised)
+    rows, columns = raised.shape
     size = columns // STRAY_TIMES, rows // STRAY_TIMES
-    there, here, late = (
-        cv2.resize(image[box], size, interpolation=cv2.INTER_AREA)
-        for image in (table, ideal.depth, ideal.late)
-    )
-    raised: Image = np.maximum(there - here + late, 0.0)
+    raised = np.maximum(cv2.resize(raised, size, interpolation=cv2.INTER_AREA), 0.0)
     # A wide plane of one height reads right: only what is lower than its surroundings is lifted.
     nearer = raised * np.float32(-(SHORT_SHARE + LONG_SHARE) * model.stray_light)
     for sigma, share in ((SHORT_PX, SHORT_SHARE), (LONG_PX, LONG_SHARE)):
@@ -78,47 +94,36 @@ def add_stray_light(ideal: Ideal, table: Image, model: SensorModel, lens: Lens) 
         cv2.scaleAdd(blurred, share * model.stray_light, nearer, dst=nearer)
     nearer = np.maximum(nearer, 0.0)
     ideal.depth[box] -= cv2.resize(nearer, (columns, rows), interpolation=cv2.INTER_LINEAR)
+    return box
 
 
 def cast_shadow(
     ideal: Ideal, table: Image, model: SensorModel, lens: Lens, rng: np.random.Generator
-) -> tuple[Box, NDArray[np.bool_]] | None:
+) -> Places | None:
     """Darken what the illuminator does not reach next to a body, in place; it reads late, or
     nothing: return where."""
-    box = _around(ideal.covered, WIDEST_SHADOW_PX, 0) if model.illuminator_mm else None
+    box = ideal.around(WIDEST_SHADOW_PX, 0) if model.illuminator_mm else None
     if box is None:
         return None
-    covered = ideal.covered[box] > 0
-    here = ideal.depth[box] - ideal.late[box]
+    covered, there = ideal.covered[box], table[box]
+    here = cv2.subtract(ideal.depth[box], ideal.late[box])
     column = np.arange(covered.shape[1], dtype=np.float32)
     # How far the illuminator's view differs from ours: a body darkens what is so far to its left.
-    left_px = np.float32(lens.fx * model.illuminator_mm) * (here - table[box])
-    left_px /= here
-    left_px /= table[box]
+    shift = lens.fx * model.illuminator_mm
+    left_px = np.asarray(cv2.divide(shift, there) - cv2.divide(shift, here), np.float32)
     farthest = min(covered.shape[1], 2 + int(-left_px.min()))
-    darkens = left_px + column
-    np.copyto(darkens, np.inf, where=~covered)
-    leftmost = cv2.erode(darkens, np.ones((1, farthest + 1), np.uint8), anchor=(0, 0))
-    shade = (leftmost <= column + np.float32(0.5)) & ~covered
-    dark = np.unravel_index(np.flatnonzero(shade), shade.shape)
-    count = len(dark[0])
-    ideal.infrared[box][dark] *= np.float32(model.shadow_light)
-    ideal.depth[box][dark] += np.float32(model.shadow_late_mm) * rng.standard_exponential(
-        count, np.float32
-    )
-    shade[dark] = rng.random(count, np.float32) < model.shadow_loss
-    return box, shade
-
-
-def clipped(
-    low: tuple[float, float] | NDArray[np.float64],
-    high: tuple[float, float] | NDArray[np.float64],
-    shape: tuple[int, ...],
-) -> Box:
-    """Rows and columns from two corners (x, y), within the image."""
-    (x0, y0), (x1, y1) = low, high
-    rows = slice(max(0, int(y0)), max(0, min(shape[0], int(y1) + 1)))
-    return rows, slice(max(0, int(x0)), max(0, min(shape[1], int(x1) + 1)))
+    free = covered == 0
+    left_px += column
+    np.copyto(left_px, np.inf, where=free)
+    leftmost = cv2.erode(left_px, np.ones((1, farthest + 1), np.uint8), anchor=(0, 0))
+    at = np.flatnonzero((leftmost <= column + np.float32(0.5)) & free)
+    dark = _in_image((at // covered.shape[1], at % covered.shape[1]), box)
+    count = len(at)
+    ideal.infrared[dark] *= np.float32(model.shadow_light)
+    late = rng.standard_exponential(count, np.float32)
+    ideal.depth[dark] += np.float32(model.shadow_late_mm) * late
+    lost = rng.random(count, np.float32) < model.shadow_loss
+    return dark[0][lost], dark[1][lost]
 
 
 def _aligned(box: Box) -> Box:
@@ -128,13 +133,3 @@ def _aligned(box: Box) -> Box:
         for s in box
     )
     return rows, columns
-
-
-def _around(mask: NDArray[np.uint8], margin_px: int, above_px: int | None = None) -> Box | None:
-    """The mask's bounding box with a margin, above and below `above_px`; None: it is empty."""
-    x, y, width, height = cv2.boundingRect(mask)
-    if width == 0:
-        return None
-    above_px = margin_px if above_px is None else above_px
-    low, high = (x - margin_px, y - above_px), (x + width + margin_px, y + height + above_px)
-    return clipped(low, high, mask.shape)

@@ -2,8 +2,8 @@
 
 Rule: geometry only; what the pixel then measures is the sensor's business. Exact at pixel
 centres, through the lens's distortion (an edge between two projected vertices is straight, which
-at a few millimetres a triangle is off by less than a hundredth of a pixel). Faces are painted
-from far to near by their middles: right for small triangles of bodies that do not cut each other.
+at a few millimetres a triangle is off by less than a hundredth of a pixel). Where faces of a mesh
+hide each other, the pixel shows the nearest.
 """
 
 from __future__ import annotations
@@ -26,44 +26,115 @@ back into the image."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Spans:
+    """Faces, cut into rows of pixels."""
+
+    corners: Ints
+    """(3, F) vertices."""
+    x: Pixels
+    """(3, F) columns of these, px."""
+    y: Pixels
+    """(3, F) rows of these, px."""
+    face: Ints
+    """(S,) which face."""
+    row: Ints
+    """(S,)."""
+    first: Ints
+    """(S,) the leftmost column."""
+    count: Ints
+    """(S,) how many columns."""
+
+    def evenly(self, per_vertex: Pixels) -> tuple[Pixels, Pixels]:
+        """(K, S) values at the spans' first pixels, and their change by column; from (K, V)."""
+        (xa, xb, xc), (ya, yb, yc) = self.x, self.y
+        ab_x, ab_y, ac_x, ac_y = xb - xa, yb - ya, xc - xa, yc - ya
+        area = ab_x * ac_y - ab_y * ac_x
+        a, b, c = (per_vertex.take(corner, axis=1) for corner in self.corners)
+        b, c = (b - a) / area, (c - a) / area
+        by_column, by_row = b * ac_y - c * ab_y, c * ab_x - b * ac_x
+        right = self.first.astype(np.float32) - xa.take(self.face)
+        down = self.row.astype(np.float32) - ya.take(self.face)
+        slope: Pixels = by_column.take(self.face, axis=1)
+        start = a.take(self.face, axis=1) + slope * right + by_row.take(self.face, axis=1) * down
+        return start, slope
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """What of a mesh is seen, pixel by pixel."""
+    """What of a mesh is seen, pixel by pixel.
+
+    A quantity changes evenly over a face. So its value at the first pixel of a span and its change
+    by column give it at each pixel.
+    """
 
     pixel: Ints
     """(N,) flat pixel numbers, row * width + column, each once."""
-    corners: Ints
-    """(3, N) the vertices of the triangle seen there."""
-    share: Pixels
-    """(3, N) barycentric shares of these."""
+    depth: Pixels
+    """(N,) mm along the lens's axis."""
+    _span: Ints
+    """(N,) the span of each pixel."""
+    _step: Pixels
+    """(N,) columns from the span's first."""
+    _spans: _Spans
+
+    @property
+    def corner(self) -> Ints:
+        """(N,) one vertex of the triangle that is seen there."""
+        corner: Ints = self._spans.corners[0].take(self._spans.face).take(self._span)
+        return corner
+
+    def only(self, which: Ints) -> Seen:
+        """Some of the pixels: (M,) numbers below N, ascending."""
+        if len(which) == len(self.pixel):
+            return self
+        span, step = self._span.take(which), self._step.take(which)
+        return Seen(self.pixel.take(which), self.depth.take(which), span, step, self._spans)
 
     def mix(self, per_vertex: Pixels) -> Pixels:
         """(K, N) from (K, V): K vertex quantities at each pixel."""
-        a, b, c = (per_vertex.take(self.corners[k], axis=1) * self.share[k] for k in range(3))
-        return np.asarray(a + b + c, dtype=np.float32)
-
-
-_NOTHING = Seen(np.empty(0, np.int64), np.empty((3, 0), np.int64), np.empty((3, 0), np.float32))
+        return _mixed(self._spans, self._span, self._step, per_vertex)
 
 
 def rasterise(lens: Lens, points: Floats, faces: Ints) -> Seen:
     """See a closed mesh, (V, 3) in the camera's frame, through a lens; the nearest face wins."""
     x, y, z = _project(lens, points)
-    corners = _towards(x, y, z, np.ascontiguousarray(faces.T))
-    xs, ys = x.take(corners), y.take(corners)
-    face, row, first, last = _spans(lens, xs, ys)
-    if len(row) == 0:
-        return _NOTHING
-    start, count = row * lens.width + first, last - first + 1
-    lowest, highest = int(start.min()), int((start + count).max())
-    winner = np.full(highest - lowest, -1, np.int32)
-    # From far to near: the nearest stays.
-    winner[_runs(start - lowest, count)] = np.repeat(np.arange(len(row), dtype=np.int32), count)
-    pixel = np.flatnonzero(winner >= 0)
-    span = winner.take(pixel).astype(np.int64)
-    pixel += lowest
-    face, row = face.take(span), row.take(span)
-    share = _shares(xs, ys, face, pixel - row * lens.width, row)
-    return Seen(pixel, corners.take(face, axis=1), share)
+    spans = _cut(lens, x, y, _towards(x, y, z, faces.T))
+    span = np.repeat(np.arange(len(spans.face)), spans.count)
+    before = np.cumsum(spans.count) - spans.count
+    pixel = np.arange(len(span))
+    step = (pixel - before.take(span)).astype(np.float32)
+    pixel += (spans.row * lens.width + spans.first - before).take(span)
+    depth = _mixed(spans, span, step, z[None])[0]
+    drawn = Seen(pixel, depth, span, step, spans)
+    return drawn.only(_nearest(pixel, depth, lens.width * lens.height))
+
+
+def _mixed(spans: _Spans, span: Ints, step: Pixels, per_vertex: Pixels) -> Pixels:
+    """(K, N) from (K, V), at (N,) columns from the first of (N,) spans."""
+    start, slope = spans.evenly(per_vertex)
+    # Looked up together, in numbers of twice the size.
+    both = np.empty(start.shape, np.complex64)
+    both.real, both.imag = start, slope
+    mixed: Pixels = np.empty((len(start), len(span)), np.float32)
+    for each, out in zip(both, mixed, strict=True):
+        found = each.take(span)
+        np.multiply(found.imag, step, out=out)
+        out += found.real
+    return mixed
+
+
+def _nearest(pixel: Ints, depth: Pixels, pixels: int) -> Ints:
+    """(M,) numbers of those that are the nearest in their pixel, ascending."""
+    number = np.arange(len(pixel))
+    winner: Ints = np.empty(pixels, np.int64)  # read only where it is written to
+    winner[pixel] = number
+    hidden = np.flatnonzero(winner.take(pixel) != number)
+    if len(hidden) == 0:
+        return number
+    rivals = np.concatenate([winner.take(pixel.take(hidden)), hidden])
+    far_first = rivals.take(np.argsort(-depth.take(rivals)))
+    winner[pixel.take(far_first)] = far_first
+    return np.flatnonzero(winner.take(pixel) == number)
 
 
 def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
@@ -94,59 +165,62 @@ def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
 
 
 def _towards(x: Pixels, y: Pixels, z: Pixels, corners: Ints) -> Ints:
-    """The faces that turn to the camera and lie in front of it, from far to near; (3, F)."""
-    (xa, xb, xc), (ya, yb, yc), (za, zb, zc) = (at.take(corners) for at in (x, y, z))
+    """The faces that turn to the camera and lie in front of it: (3, F)."""
+    place = np.empty(len(x), np.complex64)  # both at once: looking them up costs most
+    place.real, place.imag = x, y
+    a, b, c = (place.take(corner) for corner in corners)
+    b -= a
+    c -= a
     # Twice the signed area: what turns its back to the camera has the other sign (y is down).
-    area: Pixels = (xb - xa) * (yc - ya) - (yb - ya) * (xc - xa)
-    nearest = np.minimum(np.minimum(za, zb), zc)
-    visible = np.flatnonzero((area < -1e-6) & (nearest > NEAR_MM))
-    depth = (za + (zb + zc)).take(visible)
-    # Bits of positive floats have their order. With the face's number below them, a plain sort
-    # keeps the order of equal ones, and is several times faster than a stable one.
-    keys = (-depth.view(np.int32)).astype(np.int64) << 32 | visible
-    keys.sort()
-    far_first: Ints = keys & 0xFFFFFFFF
-    return corners.take(far_first, axis=1)
+    area = b.real * c.imag - b.imag * c.real
+    towards = corners.take(np.flatnonzero(area < -1e-6), axis=1)
+    nearest = np.minimum.reduce(z.take(towards), axis=0)
+    return towards.take(np.flatnonzero(nearest > NEAR_MM), axis=1)
 
 
-def _runs(start: Ints, count: Ints) -> Ints:
-    """`count` whole numbers up from each `start`, one run after the other."""
-    before = np.cumsum(count) - count
-    return np.asarray(np.arange(int(count.sum())) + np.repeat(start - before, count), np.int64)
-
-
-def _spans(lens: Lens, xs: Pixels, ys: Pixels) -> tuple[Ints, Ints, Ints, Ints]:
-    """Cut each triangle into rows of pixels: its number, the row, the first and the last column."""
-    top, bottom = np.minimum.reduce(ys, axis=0), np.maximum.reduce(ys, axis=0)
-    low = np.maximum(np.ceil(top), 0.0).astype(np.int64)
-    count = np.minimum(np.floor(bottom), lens.height - 1.0).astype(np.int64) - low + 1
-    count = np.maximum(count, 0)
+def _cut(lens: Lens, x: Pixels, y: Pixels, corners: Ints) -> _Spans:
+    """Cut each triangle into rows of pixels."""
+    xs, ys = x.take(corners), y.take(corners)
+    (xt, xm, xb), (yt, ym, yb) = _from_top(xs, ys)
+    low = np.maximum(np.ceil(yt), np.float32(0.0))
+    rows = np.minimum(np.floor(yb), np.float32(lens.height - 1)) - low + np.float32(1.0)
+    count = np.maximum(rows, np.float32(0.0)).astype(np.int64)
     face = np.repeat(np.arange(len(count)), count)
-    row = _runs(low, count)
-    height = row.astype(np.float32)
-    left = np.zeros(len(face), np.float32)
-    right = np.full(len(face), lens.width - 1.0, np.float32)
-    for a, b in ((0, 1), (1, 2), (2, 0)):  # each edge bounds the row on one side
-        rise = ys[b] - ys[a]
-        slope = (xs[b] - xs[a]) / np.where(rise == 0.0, np.float32(1.0), rise)
-        start = xs[a] - slope * ys[a]
-        along = slope.take(face) * height
-        after, before = np.where(rise > 0.0, start, -np.inf), np.where(rise < 0.0, start, np.inf)
-        np.maximum(left, after.take(face) + along, out=left)
-        np.minimum(right, before.take(face) + along, out=right)
-    first = np.ceil(np.minimum(left, lens.width)).astype(np.int64)
-    last = np.floor(np.maximum(right, -1.0)).astype(np.int64)
-    visible = np.flatnonzero(first <= last)
-    return face.take(visible), row.take(visible), first.take(visible), last.take(visible)
+    down = np.arange(len(face)) - (np.cumsum(count) - count).take(face)
+    # A row reaches from the long edge, top to bottom, to that of the other two which it meets.
+    edges = np.concatenate(
+        [_edge(xt, yt, xm, ym, low), _edge(xb, yb, xm, ym, low), _edge(xt, yt, xb, yb, low)]
+    )
+    deep = down.astype(np.float32)
+    lower = deep >= (ym - low).take(face)
+    one, other = (
+        edge.real + edge.imag * deep
+        for edge in (edges[2 * len(count) :].take(face), edges.take(face + len(count) * lower))
+    )
+    first = np.ceil(np.maximum(np.minimum(one, other), np.float32(0.0)))
+    last = np.floor(np.minimum(np.maximum(one, other), np.float32(lens.width - 1)))
+    visible = np.flatnonzero(last >= first)
+    first = first.take(visible)
+    wide = (last.take(visible) - first).astype(np.int64) + 1
+    face = face.take(visible)
+    row = low.astype(np.int64).take(face) + down.take(visible)
+    return _Spans(corners, xs, ys, face, row, first.astype(np.int64), wide)
 
 
-def _shares(xs: Pixels, ys: Pixels, face: Ints, column: Ints, row: Ints) -> Pixels:
-    """(3, N) barycentric shares of pixel centres in their triangles."""
-    xa, xb, xc = xs
-    ya, yb, yc = ys
-    ab_x, ab_y, ac_x, ac_y = xb - xa, yb - ya, xc - xa, yc - ya
-    area = (ab_x * ac_y - ab_y * ac_x).take(face)
-    dx, dy = column.astype(np.float32) - xa.take(face), row.astype(np.float32) - ya.take(face)
-    share_b = (dx * ac_y.take(face) - dy * ac_x.take(face)) / area
-    share_c = (ab_x.take(face) * dy - ab_y.take(face) * dx) / area
-    return np.stack([1.0 - share_b - share_c, share_b, share_c])
+def _from_top(xs: Pixels, ys: Pixels) -> tuple[list[Pixels], list[Pixels]]:
+    """The corners of each triangle from the highest to the lowest: three columns, three rows."""
+    x, y = list(xs), list(ys)
+    for i, j in ((0, 1), (1, 2), (0, 1)):
+        turned = y[i] > y[j]
+        x[i], x[j] = np.where(turned, x[j], x[i]), np.where(turned, x[i], x[j])
+        y[i], y[j] = np.minimum(y[i], y[j]), np.maximum(y[i], y[j])
+    return x, y
+
+
+def _edge(x: Pixels, y: Pixels, to_x: Pixels, to_y: Pixels, row: Pixels) -> NDArray[np.complex64]:
+    """An edge's column at a row, and as the imaginary part its change from row to row."""
+    edge = np.empty(len(x), np.complex64)  # for they are looked up together
+    rise = to_y - y
+    edge.imag = (to_x - x) / np.where(rise == 0.0, np.float32(1.0), rise)
+    edge.real = x + (row - y) * edge.imag
+    return edge

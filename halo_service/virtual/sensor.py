@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from halo_service.values import Frame
 from halo_service.virtual import bodies as shapes
 from halo_service.virtual.bodies import Body
+from halo_service.virtual.boxes import Box, clipped, union, within
 from halo_service.virtual.colour_image import Bgr, ColourImager
 from halo_service.virtual.dents import halo_parts
 from halo_service.virtual.depth_image import DepthImager, Ideal
@@ -23,10 +24,10 @@ from halo_service.virtual.halo import fading
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.optics import (
     AVERAGED,
-    Box,
+    WIDEST_SHADOW_PX,
+    Places,
     add_stray_light,
     cast_shadow,
-    clipped,
     soften_edges,
 )
 from halo_service.virtual.room import Room
@@ -49,7 +50,7 @@ class Sensor:
         self._started_us = started_us
         self._imager = DepthImager(room, self.camera, self.surface)
         self._fade = fading(room.camera_height_mm, room.camera_yaw_deg, room.camera_pitch_deg)
-        self._electronics = Electronics(room, self.camera)
+        self._electronics = Electronics(room, self.camera, self._imager.empty)
         self._colour_times = colour_times
         self._colour = (
             ColourImager(room, self.camera, self.surface, colour_times) if colour_times else None
@@ -78,6 +79,7 @@ class Sensor:
         self.room = room
         self._user = _as_read(room)
         self._imager = DepthImager(room, self.camera, self.surface)
+        self._electronics.furnish(self._imager.empty)
         if self._colour is None:
             return
         self._colour = ColourImager(room, self.camera, self.surface, self._colour_times)
@@ -93,41 +95,51 @@ class Sensor:
         velocities = [*(hand.velocity_mm_s for hand in hands), *([np.zeros(3)] * len(things))]
         age_s = (time_us - self._started_us) / 1e6
         ideal = self._imager.draw(seen, velocities)
-        lost = self._through_optics(ideal, hands, rng)
-        depth = self._electronics.depth(ideal, age_s, rng)
-        for box, nothing in lost:
-            depth[box][nothing] = 0
+        lost, changed = self._through_optics(ideal, hands, rng)
+        depth = self._electronics.depth(ideal, changed, age_s, rng)
+        for places in lost:
+            depth[places] = 0
         infrared = self._electronics.infrared(ideal.infrared, rng)
+        self._imager.wipe(changed)
         return Frame(time_us, depth, infrared, self._picture(age_s, seen, velocities, rng))
 
     def _through_optics(
         self, ideal: Ideal, hands: Sequence[PosedHand], rng: np.random.Generator
-    ) -> list[tuple[Box, NDArray[np.bool_]]]:
-        """Add what light does on its way, in place; return where nothing can be read."""
+    ) -> tuple[list[Places], Box | None]:
+        """Add what light does on its way, in place.
+
+        Return where nothing can be read, and what differs from the empty room.
+        """
         table, model, lens = self._imager.table, self.room.sensor, self.camera.depth
         shadow = cast_shadow(ideal, table, model, lens, rng)
         edges = soften_edges(ideal, table, model, rng)
-        self._dent(hands, ideal)
-        add_stray_light(ideal, table, model, lens)
-        return [lost for lost in (edges, shadow) if lost is not None]
+        changed = [*self._dent(hands, ideal), add_stray_light(ideal, table, model, lens)]
+        changed.append(ideal.around(WIDEST_SHADOW_PX))
+        return [lost for lost in (edges, shadow) if lost is not None], union(changed)
 
-    def _dent(self, hands: Sequence[PosedHand], ideal: Ideal) -> None:
-        """Press the halo into the table around every finger, in place."""
+    def _dent(self, hands: Sequence[PosedHand], ideal: Ideal) -> list[Box]:
+        """Press the halo into the table around every finger, in place; return where."""
         view = self._imager.view
+        dented = []
         for part in halo_parts(self.room, hands, self._fade):
             places = np.column_stack([part.places_mm, np.zeros(len(part.places_mm))])
             px = self.camera.depth.project(self.surface.to_camera(places))
             # In pixels; a margin for the lens's distortion and for a table that comes nearer.
             reach = 1.15 * part.reach_mm * self.camera.depth.fx / self.room.camera_height_mm
-            box = clipped(px.min(axis=0) - reach, px.max(axis=0) + reach, ideal.depth.shape)
-            if view.x_mm[box].size == 0:
+            boxes = [clipped(at - reach, at + reach, ideal.depth.shape) for at in px]
+            box = union(boxes)
+            if box is None or view.x_mm[box].size == 0:
                 continue
-            field = part.field(view.x_mm[box], view.y_mm[box]) * self._imager.top.halo[box]
+            parts = [within(each, box) for each in boxes]
+            field = part.field(view.x_mm[box], view.y_mm[box], parts)
+            field *= self._imager.top.halo[box]
             # Skin is not dented, but a low finger's averaged pixels share what lies around them.
             rise = self._imager.table[box] - ideal.depth[box] + ideal.late[box]
             rise /= np.float32(EDGE_STEP_MM)
             share = np.clip(np.float32(AVERAGED) * (np.float32(1.0) - rise), 0.0, 1.0)
             ideal.depth[box] += np.where(ideal.covered[box] > 0, share * field, field)
+            dented.append(box)
+        return dented
 
     def _picture(
         self,

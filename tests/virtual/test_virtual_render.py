@@ -82,7 +82,7 @@ def test_the_nearer_of_two_bodies_hides_the_other():
     seen = rasterise(lens, *both)
     alone = rasterise(lens, near, faces)
     assert np.isin(alone.pixel, seen.pixel).all()
-    corner = seen.corners[0, np.isin(seen.pixel, alone.pixel)]
+    corner = seen.corner[np.isin(seen.pixel, alone.pixel)]
     assert (corner >= len(far)).all()
 
 

@@ -136,6 +136,8 @@ class FaultyTracker:
         self._faults = faults
         self._leaked: list[mmap.mmap] = []
 
+    looks = 0
+
     def detect(self, frame: Frame) -> Tracked:
         """Return the hand, or fail as the fault asks."""
         if "tracker dies" in self._faults.on:

@@ -22,6 +22,7 @@ const WORDS = {
   tracker: ["off", "starting", "searching", "tracking", "failed"],
   camera: ["starting", "running", "lost", "ended"],
   profile_fit: ["unknown", "good", "moved", "tilted", "hidden", "marker"],
+  load: ["none", "reduced", "least", "dropping"],
 };
 
 // Kind -> its fields, `name:type`. Later minor versions append `name:type=value`, with the value (of
@@ -43,7 +44,7 @@ const ROWS = Object.fromEntries(
     health:
       "node:s session:s fps:f latency_ms:f drops:i bad_frames:i tracker:i camera:i tracker_ms:f " +
       "clock_jumps:i clock_error_ms:f profile_fit:i zenoh_missing:i write_errors:i " +
-      "memory_mb:i",
+      "memory_mb:i load:i looks_hz:f",
   }).map(([kind, text]) => [kind, text.split(" ").map(field)]),
 );
 

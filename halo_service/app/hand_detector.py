@@ -45,13 +45,19 @@ class HandDetector:
         hands; the hands of such a frame are older than it.
         """
         self._tracker = _tracker(camera, profile, model_for(settings), settings.max_hands)
-        self._detect: Callable[[Frame], Tracked] = self._tracker.detect
+        self.looks = 0
+        """How many images the model has got."""
+        self._detect: Callable[[Frame], Tracked] = self._look
         if paced and _has_background(profile):
             self._detect = paced_by_depth(self._detect, profile, settings.max_hands)
 
     def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
         return self._detect(frame)
+
+    def _look(self, frame: Frame) -> Tracked:
+        self.looks += 1
+        return self._tracker.detect(frame)
 
     def close(self) -> None:
         """Release the model."""

@@ -7,6 +7,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from halo_service.runtime.load import LOADS, LoadState
 from halo_service.runtime.memory import UNKNOWN, memory_mb
 from halo_service.runtime.tracker_thread import TrackerState
 
@@ -33,6 +34,10 @@ class Health:
     """Median age of the hands that frames were sensed with; -1 if unknown."""
     memory_mb: int = UNKNOWN
     """Memory of the process."""
+    load: LoadState = "none"
+    """What is left out because the machine is busy."""
+    looks_hz: float = -1.0
+    """Images a second at which the hand model looked; -1 if unknown."""
 
 
 class HealthCounter:
@@ -44,13 +49,19 @@ class HealthCounter:
         self.camera: CameraState = "starting"
         self._sent: deque[_Sent] = deque(maxlen=WINDOW)
 
-    def sent(self, received_s: float, sent_s: float, hands_age_us: int | None) -> None:
-        """Count a frame that was sensed and sent; both times from one monotonic clock."""
-        age_ms = None if hands_age_us is None else hands_age_us / 1000.0
-        self._sent.append(_Sent(sent_s, 1000.0 * (sent_s - received_s), age_ms))
+    def sent(
+        self, received_s: float, sent_s: float, hands_age_us: int | None, looks: int = 0
+    ) -> None:
+        """Count a frame that was sensed and sent; both times from one monotonic clock.
 
-    def health(self, now_s: float, tracker: TrackerState) -> Health:
-        """Summarise the last second."""
+        `looks`: how many images the hand model has got so far.
+        """
+        age_ms = None if hands_age_us is None else hands_age_us / 1000.0
+        latency_ms = 1000.0 * (sent_s - received_s)
+        self._sent.append(_Sent(sent_s, latency_ms, age_ms, looks, self.drops))
+
+    def health(self, now_s: float, tracker: TrackerState, level: int = 0) -> Health:
+        """Summarise the last second. `level`: of load, see `LoadWatch`."""
         recent = [sent for sent in self._sent if now_s - sent.time_s <= RECENT_S]
         span_s = recent[-1].time_s - recent[0].time_s if len(recent) > 1 else 0.0
         return Health(
@@ -62,6 +73,8 @@ class HealthCounter:
             camera=self.camera,
             tracker_ms=_median([sent.age_ms for sent in recent if sent.age_ms is not None]),
             memory_mb=memory_mb(),
+            load=_load(level, recent),
+            looks_hz=-1.0 if tracker == "off" else _looks_hz(recent),
         )
 
 
@@ -101,6 +114,19 @@ class _Sent(NamedTuple):
     time_s: float
     latency_ms: float
     age_ms: float | None
+    looks: int
+    """In this session so far, as the next."""
+    drops: int
+
+
+def _load(level: int, recent: list[_Sent]) -> LoadState:
+    dropping = bool(recent) and recent[-1].drops > recent[0].drops
+    return "dropping" if level == len(LOADS) - 2 and dropping else LOADS[level]
+
+
+def _looks_hz(recent: list[_Sent]) -> float:
+    span_s = recent[-1].time_s - recent[0].time_s if recent else 0.0
+    return (recent[-1].looks - recent[0].looks) / span_s if span_s > 0.0 else -1.0
 
 
 def _median(values: list[float]) -> float:

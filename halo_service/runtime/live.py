@@ -176,7 +176,8 @@ class LiveLoop:
         else:
             self._good_again()
             age_us = capture.time_us - tracked.time_us if tracked else None
-            self._counter.sent(received_s, self._sent_s, age_us)
+            looks = self._tracker.looks if self._tracker is not None else 0
+            self._counter.sent(received_s, self._sent_s, age_us, looks)
             self._watch_load(received_s, check.missed, fps)
         if self._tracker is not None and self._is_offered(capture.time_us):
             self._tracker.offer(capture)  # it needs a core too; by now no packet waits for one
@@ -268,7 +269,7 @@ class LiveLoop:
         running = not off and self._counter.camera == "running"
         idle: TrackerState = "off" if off else "searching"
         state = self._tracker.state if self._tracker is not None and running else idle
-        return self._counter.health(time.monotonic(), state)
+        return self._counter.health(time.monotonic(), state, self._load.level)
 
     def _lose(self, source: Source) -> None:
         self._counter.camera = "lost"

@@ -8,6 +8,7 @@ fewer looks cost little: new fingers appear later.
 from __future__ import annotations
 
 from collections import deque
+from typing import Literal
 
 LOOK_US = (0, 100_000, 200_000)
 """Least time between two frames for the hand tracker, by the level of load."""
@@ -16,6 +17,9 @@ LEVELS = (
     "the hand tracker gets ten frames a second",
     "the hand tracker gets five frames a second",
 )
+LoadState = Literal["none", "reduced", "least", "dropping"]
+LOADS: tuple[LoadState, ...] = ("none", "reduced", "least", "dropping")
+"""How `health` names the levels; the last one: frames are left out, too."""
 LATE_SHARE = 0.6
 """A frame whose packet needs more than this share of a frame's time is late (chosen: the rest is
 for reading the next frame)."""

@@ -37,6 +37,10 @@ TrackerState = Literal["off", "starting", "searching", "tracking", "failed"]
 class Tracker(Protocol):
     """Finds hands in frames; stateful, slow, used from one thread."""
 
+    @property
+    def looks(self) -> int:
+        """How many images the model has got."""
+
     def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame."""
 
@@ -56,6 +60,8 @@ class TrackerThread:
         self.state: TrackerState = "starting"
         self.failure: UserError | None = None
         """Set if the tracker cannot be loaded at all; the service ends with this sentence."""
+        self.looks = 0
+        """How many images the model has got: fewer than frames, as depth confirms hands."""
         self._hanging = 0
         self._worker = self._started()
 
@@ -134,11 +140,13 @@ class TrackerThread:
                     self.state = "searching"
                 continue
             worker.busy_since_s = time.monotonic()
+            looks = tracker.looks
             tracked = tracker.detect(frame)
             worker.busy_since_s = None
             if worker.ended.is_set():
                 return  # it hung, and another one works by now
             self._hanging = 0
+            self.looks += tracker.looks - looks
             self._tracked.put(tracked)
             self.state = "tracking" if tracked.hands else "searching"
 

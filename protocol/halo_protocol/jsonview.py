@@ -17,6 +17,7 @@ from halo_protocol.messages import (
     Down,
     Finger,
     Hand,
+    Load,
     Message,
     ProfileFit,
     Source,
@@ -34,6 +35,7 @@ ENUMERATIONS: dict[str, type[IntEnum]] = {
     "tracker": Tracker,
     "camera": Camera,
     "profile_fit": ProfileFit,
+    "load": Load,
 }
 """Field name -> its enumeration; a name means the same in every message."""
 

@@ -76,6 +76,18 @@ class Camera(IntEnum):
     """A recording reached its end."""
 
 
+class Load(IntEnum):
+    """What the service leaves out because the machine is busy."""
+
+    NONE = 0
+    REDUCED = 1
+    """The hand model gets at most ten images a second."""
+    LEAST = 2
+    """The hand model gets at most five images a second."""
+    DROPPING = 3
+    """Likewise, and camera frames were left out in the last second, which `drops` counts."""
+
+
 class ProfileFit(IntEnum):
     """Whether the calibration still fits what the camera shows."""
 
@@ -306,6 +318,10 @@ class Health:
     """Profiles that could not be written (disk full), in this session."""
     memory_mb: int = -1
     """Memory of the service's process in MB; -1 if unknown."""
+    load: int = 0
+    """How much work is left out because the machine is busy: a `Load`."""
+    looks_hz: float = -1.0
+    """Images per second at which the hand model looked; -1 if unknown."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

@@ -44,7 +44,8 @@ POSE = (
 HEALTH = (
     "node:s session:s fps:f latency_ms:f drops:i bad_frames:i "
     "tracker:i camera:i tracker_ms:f clock_jumps:i clock_error_ms:f "
-    "profile_fit:i zenoh_missing:i write_errors:i memory_mb:i"  # append; never reorder
+    "profile_fit:i zenoh_missing:i write_errors:i memory_mb:i "
+    "load:i looks_hz:f"  # append; never reorder
 )
 
 

@@ -144,6 +144,11 @@ REPORTS = [
         Health("desk", "s1", 29.75, 3.5, 0, 0, 3, 1, 33.25, 0, 0.0, 1, 1, 2, 412),
     ),
     ReportCase(
+        "health-busy",
+        "The machine is busy: the hand model gets five images a second and frames are left out.",
+        Health("desk", "s1", 24.5, 21.25, 57, 0, 3, 1, 180.5, 0, 0.0, 1, 0, 0, 412, 3, 4.75),
+    ),
+    ReportCase(
         "health-camera-lost",
         "The camera is unplugged; latencies are unknown.",
         Health("desk", "s1", 0.0, -1.0, 2, 40, 0, 2, -1.0),

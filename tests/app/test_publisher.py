@@ -124,8 +124,10 @@ def test_health_reports_what_is_wrong_around_the_sensing(camera) -> None:
         write_errors=lambda: 2,
         zenoh_missing=lambda: 1,
     )
-    publisher.health(Health(30.0, 1.0, 0, 0, "off", "running", -1.0, memory_mb=412))
+    current = Health(30.0, 1.0, 0, 0, "off", "running", -1.0, 412, "least", 4.5)
+    publisher.health(current)
     health = heard.messages["health"]
+    assert (health.load, health.looks_hz) == (wire.Load.LEAST, 4.5)
     assert (health.zenoh_missing, health.write_errors, health.memory_mb) == (1, 2, 412)
 
 

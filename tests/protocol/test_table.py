@@ -30,7 +30,8 @@ RELEASED = {
     "homography": "node session revision width_px height_px projector_from_surface",
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
-    "clock_jumps clock_error_ms profile_fit zenoh_missing write_errors memory_mb",
+    "clock_jumps clock_error_ms profile_fit zenoh_missing write_errors memory_mb "
+    "load looks_hz",
 }
 RELEASED_TAGS = {
     "frame": "ssiiiii",
@@ -41,7 +42,7 @@ RELEASED_TAGS = {
     "scene": "sssffiiifiii",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
-    "health": "ssffiiiififiiii",
+    "health": "ssffiiiififiiiiif",
 }
 
 rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)

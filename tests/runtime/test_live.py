@@ -80,6 +80,8 @@ class Listener:
 class Blind:
     """A tracker that sees nothing."""
 
+    looks = 0
+
     def detect(self, frame: Frame) -> Tracked:
         return Tracked(frame.time_us, ())
 
@@ -199,6 +201,8 @@ def test_a_tracker_that_fails_once_is_started_again() -> None:
 
         def __init__(self) -> None:
             Shaky.made += 1
+
+        looks = 0
 
         def detect(self, frame: Frame) -> Tracked:
             if Shaky.made == 1:
@@ -321,6 +325,8 @@ def test_an_error_in_a_frame_releases_a_touch_and_the_next_frame_is_sensed(
     profile: Profile, draw: Callable[..., Frame], see: Callable[..., Tracked]
 ) -> None:
     class Seeing(Blind):
+        looks = 0
+
         def detect(self, frame: Frame) -> Tracked:
             return see(time_us=frame.time_us)
 
@@ -498,6 +504,8 @@ def test_a_model_that_goes_missing_later_does_not_end_the_service(
     made: list[Blind] = []
 
     class Once(Blind):
+        looks = 0
+
         def detect(self, frame: Frame) -> Tracked:
             raise RuntimeError("the model is broken")
 
@@ -515,6 +523,8 @@ def test_a_model_that_goes_missing_later_does_not_end_the_service(
 def test_under_load_the_hand_tracker_gets_fewer_frames_and_every_packet_is_sent() -> None:
     class Counting(Blind):
         seen: ClassVar[list[int]] = []
+
+        looks = 0
 
         def detect(self, each: Frame) -> Tracked:
             self.seen.append(each.time_us)

@@ -1,5 +1,8 @@
 """When the hand tracker gets fewer frames."""
 
+import pytest
+
+from halo_service.runtime.health import HealthCounter
 from halo_service.runtime.load import CALM, LEVELS, LOOK_US, MOST_LATE, WINDOW, LoadWatch
 
 PERIOD_S = 1 / 30
@@ -46,3 +49,26 @@ def test_the_level_falls_one_by_one_after_calm_seconds() -> None:
     assert watch.level == 1
     run(watch, CALM)
     assert watch.level == 0
+
+
+@pytest.mark.parametrize(
+    ("level", "drops_each", "says"),
+    [(0, 0, "none"), (0, 1, "none"), (1, 1, "reduced"), (2, 0, "least"), (2, 1, "dropping")],
+)
+def test_health_says_what_is_left_out(level: int, drops_each: int, says: str) -> None:
+    counter = HealthCounter()
+    for number in range(11):
+        counter.sent(number / 30.0, number / 30.0 + 0.005, 33_000, looks=100 + number // 2)
+        counter.drops += drops_each
+    health = counter.health(11 / 30.0, "tracking", level)
+    assert health.load == says
+    assert health.looks_hz == pytest.approx(15.0)
+
+
+def test_the_rate_of_looks_is_unknown_without_a_hand_model_or_a_frame() -> None:
+    counter = HealthCounter()
+    assert counter.health(0.0, "searching").looks_hz == -1.0
+    for number in range(3):
+        counter.sent(number / 30.0, number / 30.0 + 0.005, None)
+    assert counter.health(0.1, "off").looks_hz == -1.0
+    assert counter.health(0.1, "searching").looks_hz == 0.0

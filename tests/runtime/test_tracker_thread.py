@@ -26,6 +26,8 @@ class Recorder:
         child.start()
         child.join()
 
+    looks = 0
+
     def detect(self, frame: Frame) -> Tracked:
         return Tracked(frame.time_us, ())
 
@@ -77,6 +79,8 @@ class Hanging:
     def __init__(self, at: set[int], released: threading.Event) -> None:
         Hanging.made += 1
         self.at, self.released = at, released
+
+    looks = 0
 
     def detect(self, frame: Frame) -> Tracked:
         if frame.time_us in self.at:

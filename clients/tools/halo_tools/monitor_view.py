@@ -19,6 +19,7 @@ from halo_protocol import (
     Finger,
     Hand,
     Health,
+    Load,
     Lost,
     Pointer,
     ProfileFit,
@@ -43,6 +44,11 @@ LOUD = {
 }
 """Warnings if the source is not a camera."""
 
+LOADS = {
+    Load.REDUCED: "new fingers appear a little later",
+    Load.LEAST: "new fingers appear later",
+    Load.DROPPING: "new fingers appear later, and camera frames are left out",
+}
 MISFITS = {
     ProfileFit.MOVED: "the surface was moved since the calibration",
     ProfileFit.TILTED: "camera or table was tilted since the calibration",
@@ -133,12 +139,17 @@ def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[s
             f"drops {health.drops}, bad frames {health.bad_frames}",
             *_warnings(health, known.scenes.get(where)),
             f"  camera {_word(Camera, health.camera)} · "
-            f"hand tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old",
+            f"hand tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old"
+            f"{_looks(health)}",
         ]
     lines += [HEADINGS, *map(_pointer_line, frame.pointers)]
     if not frame.pointers:
         lines.append("    - no finger near the surface")
     return [*lines, f"  touches: {' · '.join(reversed(stream.events)) or '-'}"]
+
+
+def _looks(health: Health) -> str:
+    return f", looks {health.looks_hz:.0f} times a second" if health.looks_hz >= 0.0 else ""
 
 
 def _warnings(health: Health, scene: Scene | None) -> list[str]:
@@ -147,6 +158,8 @@ def _warnings(health: Health, scene: Scene | None) -> list[str]:
     rate_hz = scene.rate_hz if scene and health.camera == Camera.RUNNING else 0.0
     if 0.0 < health.fps < SLOW * rate_hz:
         lines.append(f"  !! SLOW: the service senses {health.fps:.0f} of {rate_hz:.0f} Hz !!")
+    if health.load in LOADS:
+        lines.append(f"  !! BUSY MACHINE: {LOADS[Load(health.load)]} !!")
     if health.profile_fit in MISFITS:
         reason = MISFITS[ProfileFit(health.profile_fit)]
         lines.append(f"  !! PROFILE DOES NOT FIT: {reason} !!")

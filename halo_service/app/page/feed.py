@@ -64,6 +64,8 @@ def health_value(health: Health, cpu: float, fit: str, counts: Json) -> Json:
         "fps": _number(health.fps),
         "latency_ms": _number(health.latency_ms, 2),
         "tracker_ms": _number(health.tracker_ms),
+        "load": health.load,
+        "looks_hz": _number(health.looks_hz),
         "drops": health.drops,
         "bad_frames": health.bad_frames,
         "tracker": health.tracker,

@@ -121,6 +121,8 @@ class Publisher:
             self._zenoh_missing(),
             self._write_errors(),
             current.memory_mb,
+            wire.Load[current.load.upper()],
+            current.looks_hz,
         )
         self._send(OutgoingReport(self._surface, health))
 

@@ -83,6 +83,9 @@ def test_the_picture_says_loudly_what_is_behind_it(source: int, says: str) -> No
         ),
         ({"profile_fit": 9}, ""),
         ({"zenoh_missing": 1}, "!! ZENOH: 1 of its routers or peers are away !!"),
+        ({"load": 1, "looks_hz": 9.8}, "!! BUSY MACHINE: new fingers appear a little later !!"),
+        ({"load": 3}, "appear later, and camera frames are left out !!"),
+        ({"load": 9}, ""),
         ({"write_errors": 2}, "!! NOT SAVED: the service could not write its profile; see its log"),
     ],
 )

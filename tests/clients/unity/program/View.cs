@@ -87,7 +87,7 @@ static class View
         Field("tracker_ms", health.TrackerMs) + Field("clock_jumps", health.ClockJumps) +
         Field("clock_error_ms", health.ClockErrorMs) + Word("profile_fit", health.ProfileFit) +
         Field("zenoh_missing", health.ZenohMissing) + Field("write_errors", health.WriteErrors) +
-        Field("memory_mb", health.MemoryMb);
+        Field("memory_mb", health.MemoryMb) + Word("load", health.Load) + Field("looks_hz", health.LooksHz);
 
     static string Pointers(Growing<HaloPointer> pointers)
     {

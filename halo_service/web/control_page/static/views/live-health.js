@@ -3,10 +3,18 @@
 import { colour, el, fitted } from "../dom.js";
 
 const MOST = 120;
+const LOADS = {
+  none: "nothing",
+  reduced: "some looks",
+  least: "most looks",
+  dropping: "most looks, some frames",
+};
 const FIGURES = [
   ["fps", "frames a second", (value) => value?.toFixed(1)],
   ["latency_ms", "latency, ms", (value) => (value < 0 ? "-" : value?.toFixed(1))],
   ["tracker_ms", "age of hand positions, ms", (value) => (value < 0 ? "-" : value?.toFixed(0))],
+  ["looks_hz", "looks of the hand model per s", (value) => (value < 0 ? "-" : value?.toFixed(0))],
+  ["load", "left out under load", (value) => LOADS[value] ?? "-"],
   ["cpu", "CPU, cores", (value) => value?.toFixed(2)],
   ["drops", "missed frames", String],
   ["bad_frames", "bad frames", String],

@@ -104,7 +104,7 @@ namespace HaloTouch.Internal
 
         static void WriteHealth(JsonFields line, OscWriter into)
         {
-            into.Element(Address(line, "health"), ",ssffiiiififiiii");
+            into.Element(Address(line, "health"), ",ssffiiiififiiiiif");
             Sender(line, into);
             Floats(line, into, "fps", "latency_ms");
             into.Int(line.Int("drops")).Int(line.Int("bad_frames"));
@@ -113,7 +113,10 @@ namespace HaloTouch.Internal
             into.Int(line.Int("clock_jumps"));
             Floats(line, into, "clock_error_ms");
             into.Int(line.Word<HaloProfileFit>("profile_fit")).Int(line.Int("zenoh_missing"));
-            into.Int(line.Int("write_errors")).Int(line.Int("memory_mb")).EndElement();
+            into.Int(line.Int("write_errors")).Int(line.Int("memory_mb"));
+            into.Int(line.Word<HaloLoad>("load"));
+            Floats(line, into, "looks_hz");
+            into.EndElement();
         }
 
         static void Floats(JsonFields fields, OscWriter into, params string[] names)

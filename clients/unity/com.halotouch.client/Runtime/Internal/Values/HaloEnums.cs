@@ -85,6 +85,19 @@ namespace HaloTouch
         Ended,
     }
 
+    /// <summary>What the service leaves out because the machine is busy.</summary>
+    public enum HaloLoad
+    {
+        /// <summary>Nothing.</summary>
+        None,
+        /// <summary>The hand model gets at most ten images a second.</summary>
+        Reduced,
+        /// <summary>The hand model gets at most five images a second.</summary>
+        Least,
+        /// <summary>Likewise, and camera frames were left out in the last second.</summary>
+        Dropping,
+    }
+
     /// <summary>Whether the calibration still fits what the camera shows.</summary>
     public enum HaloProfileFit
     {

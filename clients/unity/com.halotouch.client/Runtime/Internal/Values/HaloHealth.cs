@@ -48,11 +48,17 @@ namespace HaloTouch
         /// <summary>Memory of the service's process in MB; -1 if unknown.</summary>
         public int MemoryMb { get; }
 
+        /// <summary>How much work is left out because the machine is busy.</summary>
+        public HaloLoad Load { get; }
+
+        /// <summary>Images per second at which the hand model looked; -1 if unknown.</summary>
+        public float LooksHz { get; }
+
         internal HaloHealth(
             string node, string session, float fps, float latencyMs, int drops, int badFrames,
             HaloTracker tracker, HaloCamera camera, float trackerMs, int clockJumps,
             float clockErrorMs, HaloProfileFit profileFit, int zenohMissing, int writeErrors,
-            int memoryMb)
+            int memoryMb, HaloLoad load, float looksHz)
         {
             Node = node;
             Session = session;
@@ -69,6 +75,8 @@ namespace HaloTouch
             ZenohMissing = zenohMissing;
             WriteErrors = writeErrors;
             MemoryMb = memoryMb;
+            Load = load;
+            LooksHz = looksHz;
         }
     }
 }

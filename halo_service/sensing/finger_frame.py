@@ -47,7 +47,7 @@ class FingerFrame(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Where is read, (rows, columns), mm from the tip."""
+    """Where is read, mm from the tip. Both are (rows, columns), or broadcast to it."""
 
     along: Floats
     """Positive beyond the tip."""
@@ -56,9 +56,8 @@ class Grid(NamedTuple):
 
 
 def grid(along: NDArray[np.int_], across: NDArray[np.int_]) -> Grid:
-    """Return the grid of all pairs."""
-    rows, columns = np.meshgrid(along, across, indexing="ij")
-    return Grid(rows.astype(np.float32), columns.astype(np.float32))
+    """Return the grid of all pairs: (rows, 1) and (1, columns), which are cheap to turn."""
+    return Grid(along[:, None].astype(np.float32), across[None].astype(np.float32))
 
 
 def blended(image: Floats, place: FingerFrame, at: Grid) -> Floats:
@@ -83,6 +82,7 @@ def unit(start: Pixel, end: Pixel) -> Pixel:
 def _pixels(place: FingerFrame, at: Grid) -> tuple[Floats, Floats]:
     (left, top), size = place.tip_px, place.px_per_mm
     ux, uy = np.float32(size * place.direction[0]), np.float32(size * place.direction[1])
-    x = at.along * ux - at.across * uy + np.float32(left)
-    y = at.along * uy + at.across * ux + np.float32(top)
+    x, y = at.along * ux - at.across * uy, at.along * uy + at.across * ux
+    x += np.float32(left)
+    y += np.float32(top)
     return x, y

@@ -100,12 +100,8 @@ def _opener(kind: str, name: str, settings: SourceSettings, serial: str) -> Call
         return _camera_opener(name, serial)
     rest = name.partition(":")[2]
     if kind == "recording" and rest:
-        from halo_service.sources.recording import Recording
-
         path = from_home(rest)
-        if path.suffix == ".bag":
-            return _bag_opener(path, settings)
-        return lambda: Recording(path, realtime=not settings.fast, loop=settings.loop)
+        return lambda: open_recording(path, realtime=not settings.fast, loop=settings.loop)
     if kind == "sim":
         from halo_service.virtual.live import VirtualKinect
         from halo_service.virtual.sim_url import parse_sim_url
@@ -116,12 +112,20 @@ def _opener(kind: str, name: str, settings: SourceSettings, serial: str) -> Call
     raise UserError(f"source: unknown source '{name}'; {hint}")
 
 
-def _bag_opener(path: Path, settings: SourceSettings) -> Callable[[], Source]:
-    from halo_service.sources.orbbec.bag import Bag
+def open_recording(path: Path, *, realtime: bool = False, loop: bool = False) -> Source:
+    """Open a recording by its form: `.bag` of Orbbec, else Matroska. Raises `UserError`.
 
-    if settings.loop:
-        raise UserError(f"--loop does not work with {path}: make it a .mkv with 'halo record'")
-    return lambda: Bag(path, realtime=not settings.fast)
+    `realtime`: frames come when they are due, with Unix times; else at once, with the file's.
+    """
+    if path.suffix == ".bag":
+        from halo_service.sources.orbbec.bag import Bag
+
+        if loop:
+            raise UserError(f"--loop does not work with {path}: make it a .mkv with 'halo record'")
+        return Bag(path, realtime=realtime)
+    from halo_service.sources.recording import Recording
+
+    return Recording(path, realtime=realtime, loop=loop)
 
 
 def _camera_opener(name: str, serial: str) -> Callable[[], Source]:

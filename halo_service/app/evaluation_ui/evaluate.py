@@ -15,6 +15,7 @@ from pathlib import Path
 from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.progress import progress
 from halo_service.app.service.fit_watcher import watched
+from halo_service.app.sources import open_recording
 from halo_service.errors import UserError
 from halo_service.evaluation.methods import METHODS, NEEDS_NO_STATES, READS_PROFILE
 from halo_service.evaluation.metrics.result import Result
@@ -30,7 +31,6 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load as load_profile
 from halo_service.profile.store import profile_path, require_fit, require_touch
 from halo_service.settings import Settings, TrackingSettings
-from halo_service.sources.recording import Recording
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.materials import MATERIALS, STUDIED
 
@@ -111,7 +111,7 @@ def evaluate_recording(settings: Settings, options: RecordingOptions) -> tuple[R
     script = read_lines(options.script, "script") if options.script else ()
     if not set(methods) <= set(NEEDS_NO_STATES):
         require_touch(profile)
-    with closing(Recording(options.recording, realtime=False, loop=False)) as source:
+    with closing(open_recording(options.recording)) as source:
         require_fit(profile, source.camera)
         with (
             closing(HandDetector(source.camera, profile, settings.tracking)) as detector,

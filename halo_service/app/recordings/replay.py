@@ -9,6 +9,7 @@ from pathlib import Path
 
 from halo_service.app.files import written
 from halo_service.app.service.fit_watcher import watched
+from halo_service.app.sources import open_recording
 from halo_service.evaluation.methods import method_named
 from halo_service.outputs.jsonl import frame_line
 from halo_service.profile import Profile
@@ -17,7 +18,6 @@ from halo_service.runtime.replay import DetectHands
 from halo_service.runtime.replay import replay as sensed
 from halo_service.settings import Settings
 from halo_service.sources import Source
-from halo_service.sources.recording import Recording
 
 NODE = "replay"
 
@@ -29,7 +29,7 @@ def replay(recording: Path, out: str, settings: Settings, method: str) -> int:
     Without a profile the frames have no pointers. The file appears when it is complete.
     """
     chosen = method_named(method)
-    with closing(Recording(recording, realtime=False, loop=False)) as source:
+    with closing(open_recording(recording)) as source:
         profile = load(profile_path(settings.profile)) if settings.profile else None
         if profile is not None:
             require_fit(profile, source.camera)

@@ -21,6 +21,8 @@ from halo_service.sources.orbbec.frames import outcome
 from halo_service.sources.orbbec.sdk import Sdk, load
 from halo_service.values import BadFrame, Frame, SourceKind
 
+_LONGEST_WAIT_S = 1.0
+
 
 class Bag:
     """A `Source`: a recording in Orbbec's form. Its times are those of the device."""
@@ -51,7 +53,9 @@ class Bag:
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
         """Return the next capture; None: nothing came in that time. Raises EndOfSource."""
         try:
-            frames = self._pipeline.wait_for_frames(max(round(timeout_s * 1000), 1))
+            # At the end nothing comes any more, so a reader that waits for an hour must not.
+            wait_ms = round(min(timeout_s, _LONGEST_WAIT_S) * 1000)
+            frames = self._pipeline.wait_for_frames(max(wait_ms, 1))
         except self._ob.OBError as error:
             raise UserError(f"{self._path} cannot be read further ({error}).") from error
         if frames is None:

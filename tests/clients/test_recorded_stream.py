@@ -108,6 +108,8 @@ def test_the_monitor_ends_with_the_file(tmp_path: Path, capsys: Any) -> None:
     [
         (b"nonsense\n", "line 1, is not a frame"),
         (b"[]\n", "line 1, is not a frame"),
+        (b"", "has no frames"),
+        (b'\n{"kind": "lost"}\n', "has no frames"),
         (b'{"kind": "frame"}\n', "line 1, is not a frame (no 'pointers')"),
         (json.dumps(line(0)).encode() + b'\n{"pointers": 3}\n', "line 2, is not a frame"),
         (json.dumps(line(0, [{"id": 1}])).encode(), "pointer has no 'slot'"),

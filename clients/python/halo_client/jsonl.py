@@ -86,6 +86,11 @@ class JsonlInput:
                 f"{self.url} is not a recorded stream: it is not UTF-8 text"
             ) from error
         if not text:
+            if self._started is None:
+                raise ClientError(
+                    f"{self.url} has no frames; record it again, with "
+                    "`halo monitor --json` while `halo serve` runs"
+                )
             raise EndOfStream
         self._line += 1
         if not text.strip():

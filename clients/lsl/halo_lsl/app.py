@@ -42,6 +42,8 @@ examples:
   halo-lsl --from x.jsonl      a recorded stream, at its own speed
 """
 POLL_S = 0.1
+MOST_DELAY_MS = 10_000.0
+"""A longer delay is a mistake in its unit."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -112,13 +114,25 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--delay",
-        type=float,
+        type=_milliseconds,
         default=0.0,
         metavar="MS",
         help="for --clock arrival: delay of the fastest frame from exposure to arrival "
         "(%(default)g)",
     )
     return parser
+
+
+def _milliseconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= MOST_DELAY_MS:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number from 0 to {MOST_DELAY_MS:g}, in milliseconds"
+        )
+    return value
 
 
 def _say(text: str) -> None:

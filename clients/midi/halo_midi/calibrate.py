@@ -15,7 +15,7 @@ STRIKES = 20
 END = 10
 """A soft end is slower than all but one in ten strikes, the loud one faster."""
 NARROWEST_MM_S = 50.0
-"""Least distance of both ends, so that a velocity is no matter of chance."""
+"""Least distance of both ends, so that noise does not decide the velocity."""
 
 
 def curve(strikes_mm_s: Sequence[float]) -> tuple[float, float]:

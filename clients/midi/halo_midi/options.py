@@ -134,7 +134,7 @@ def _note(text: str) -> int:
         return note_number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no note; use C3, F#2, Bb4 or 0 to 127"
+            f"{text!r} is not a note; use C3, F#2, Bb4 or 0 to 127"
         ) from None
 
 

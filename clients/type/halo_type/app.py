@@ -170,7 +170,8 @@ def _render(options: argparse.Namespace, typist: Typist) -> int:
         print(f"{NAME}: wrote {options.animate}")
     if options.render:
         write_results(options.render, typist.results, options.participant)
-        print("\n".join([*summary(typist.results), f"{NAME}: wrote {options.render}"]))
+        empty = "" if typist.results else "; no phrase was finished, so it has no rows"
+        print("\n".join([*summary(typist.results), f"{NAME}: wrote {options.render}{empty}"]))
     return 0
 
 
@@ -271,7 +272,7 @@ def _number(text: str, least: float) -> float:
     except ValueError:
         number = -1.0
     if not least <= number <= 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number from {least:g} on")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of at least {least:g}")
     return number
 
 

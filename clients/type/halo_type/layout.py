@@ -87,11 +87,10 @@ def parse_layout(text: str) -> Layout:
         keys = [key for number, row in enumerate(table["rows"]) for key in _row(row, number, size)]
         keys += [_wide(each, size) for each in table.get("wide", ())]
     except tomllib.TOMLDecodeError as error:
-        raise LayoutError(f"it is no TOML ({error})") from error
+        raise LayoutError(f"it is not TOML ({error})") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise LayoutError(
-            f"{error!r} is missing or wrong; compare it with layouts/qwerty.toml"
-        ) from error
+        reason = f"no {error}" if isinstance(error, KeyError) else error
+        raise LayoutError(f"{reason}; compare it with layouts/qwerty.toml") from error
     _check(keys)
     return Layout(tuple(keys))
 

@@ -25,7 +25,7 @@ def read_phrases(path: Path, characters: Collection[str]) -> tuple[str, ...]:
     try:
         lines = path.read_text("utf-8").lower().splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
         raise PhrasesError(f"cannot read {path} ({reason}); check the path") from error
     phrases = tuple(" ".join(line.split()) for line in lines if line.strip())
     if not 1 <= len(phrases) <= MOST_PHRASES:

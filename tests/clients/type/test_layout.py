@@ -81,8 +81,8 @@ ROW = '[[rows]]\nstart = 0\nkeys = "abc"\n'
 @pytest.mark.parametrize(
     "text, message",
     [
-        ("rows = [", "no TOML"),
-        ("key_mm = 16.0", "'rows'"),
+        ("rows = [", "not TOML"),
+        ("key_mm = 16.0", "no 'rows'"),
         ("rows = 3", "compare it with"),
         ("rows = []", "it has 0 keys"),
         ('rows = [{ start = 0, keys = "aa" }]', "the key 'a' twice"),
@@ -115,7 +115,7 @@ def test_a_layout_of_one_s_own_is_a_file(tmp_path):
         ("", "has 0 phrases"),
         ("good\nschön", "no key for 'ö'"),
         ("a" * 201, "longer than"),
-        (b"\xff\xfe", "no text"),
+        (b"\xff\xfe", "not UTF-8 text"),
     ],
 )
 def test_a_wrong_file_of_phrases_gives_one_sentence(text, message, tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from halo_service.errors import UserError
 from halo_service.evaluation.report.table import Table
@@ -70,11 +70,16 @@ def ask_sdks() -> SdkCameras:
     from halo_service.sources import azure_kinect
     from halo_service.sources.orbbec import sdk
 
+    femtos = tuple((each.kind, each.name, each.serial) for each in sdk.plugged())
+    return replace(installed_sdks(), kinects=azure_kinect.connected(), femtos=femtos)
+
+
+def installed_sdks() -> SdkCameras:
+    """Say which SDKs are installed, and load none."""
     has_orbbec, has_kinect = (
         importlib.util.find_spec(name) is not None for name in ("pyorbbecsdk", "pyk4a")
     )
-    femtos = tuple((each.kind, each.name, each.serial) for each in sdk.plugged())
-    return SdkCameras(azure_kinect.connected(), femtos, has_orbbec, has_kinect)
+    return SdkCameras(has_orbbec=has_orbbec, has_kinect=has_kinect)
 
 
 def merge(usb: Sequence[UsbCamera], sdks: SdkCameras) -> list[FoundCamera]:

@@ -8,6 +8,7 @@ import webbrowser
 
 import segno
 
+from halo_service.app.page.camera_calls import CameraCalls
 from halo_service.app.page.observer import PageObserver
 from halo_service.app.page.output_calls import OutputCalls
 from halo_service.app.page.parts import PageRequest, Parts
@@ -70,6 +71,7 @@ class ControlPage:
             **profiles.table(),
             **changes.table(),
             **self._wizard.table(),
+            **CameraCalls().table(),
         }
         self.server.on_join = self.observer.greet
         self.server.on_message = self._wizard.screen.take

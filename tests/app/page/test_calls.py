@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 import halo_protocol as wire
+from halo_service.app.page import camera_calls
+from halo_service.app.page.camera_calls import CameraCalls
 from halo_service.app.page.observer import PATTERN_ID, PageObserver
 from halo_service.app.page.output_calls import OutputCalls
 from halo_service.app.page.profile_calls import ProfileCalls
@@ -30,6 +32,7 @@ from halo_service.sensing import SensingSettings, State, start
 from halo_service.settings import Settings, load
 from halo_service.sources.recording import Recording
 from halo_service.sources.switched import SwitchedSource
+from halo_service.sources.usb import UsbCamera
 from halo_service.values import Frame, TouchFrame
 from halo_service.web.control_page.server import PageServer
 from halo_service.web.settings import PageSettings
@@ -260,3 +263,11 @@ def test_a_recording_holds_the_frames_of_the_service_and_is_replayed_in_its_plac
         run(RecordCalls(other, observer, str), "replay", name=path.name)
     source.close()
     assert camera.closed
+
+
+def test_cameras_that_are_plugged_in_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    bolt = UsbCamera("Femto Bolt", "femto-bolt", "CL8", 480, Path("/dev/null"))
+    monkeypatch.setattr(camera_calls, "usb_cameras", lambda: [bolt])
+    monkeypatch.setattr(camera_calls.sys, "platform", "linux")
+    (found,) = run(CameraCalls(), "cameras")["cameras"]
+    assert (found["serial"], found["source"]) == ("CL8", "--source femto-bolt,serial=CL8")

@@ -6,6 +6,7 @@ const CALIBRATED = { complete: "complete", partial: "not complete yet: open Set 
 
 export function mount(root, service) {
   const about = el("div");
+  const cameras = el("ul", { "aria-label": "Cameras that are plugged in" });
   root.append(
     el("h1", {}, "Touch on any table"),
     about,
@@ -26,6 +27,7 @@ export function mount(root, service) {
       card(
         "3. Set up your camera",
         el("p", {}, "Mount an Orbbec Femto Bolt or Mega, or an Azure Kinect, 45 to 70 cm above the table. It looks down. Set up measures the table and your finger, step by step, in a few minutes."),
+        cameras,
         el("a", { className: "button", href: "#setup" }, "Open Set up"),
       ),
     ),
@@ -45,6 +47,7 @@ export function mount(root, service) {
     about.replaceChildren(card("Now", el("p", {}, words[scene.source]), el("p", {}, profile)));
   };
   show();
+  list(cameras, service);
   try {
     localStorage.setItem("halo-seen", "1");
   } catch {
@@ -52,4 +55,16 @@ export function mount(root, service) {
   }
   const stops = [service.on("hello", show), service.on("scene", show)];
   return () => stops.forEach((stop) => stop());
+}
+
+// What is plugged in, and what each camera lacks.
+async function list(cameras, service) {
+  let found = [];
+  try {
+    ({ cameras: found } = await service.call("cameras"));
+  } catch {
+    return;
+  }
+  const lines = found.map((each) => `${each.title} ${each.serial}: ${each.fault || `start the service with ${each.source}`}`);
+  cameras.replaceChildren(...(lines.length ? lines : ["No camera is plugged in."]).map((line) => el("li", {}, line)));
 }

@@ -16,6 +16,7 @@ from halo_service.virtual.noise import DRIFT_MM
 from halo_service.virtual.offline import SimulatedRecording, frames
 from halo_service.virtual.pictures import show
 from halo_service.virtual.room import Room, draw_room
+from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 from halo_service.virtual.skeleton import FingerPose, posed
@@ -265,3 +266,36 @@ def test_a_take_ends_by_itself_or_asks_for_its_length():
 
 def test_nothing_of_the_truth_is_in_a_frame():
     assert [f.name for f in dataclasses.fields(Frame)] == ["time_us", "depth", "ir", "colour"]
+
+
+@pytest.mark.parametrize(
+    "source", ["sim:chaos?seed=204", "sim:awkward?seed=213", "sim:ten-fingers"]
+)
+def test_moving_hands_leave_nothing_in_later_frames(source):
+    """The images of the empty room are the same again after each frame."""
+    request = parse_sim_url(source)
+    scenario = start_scenario(request.scenario, request.room)
+    used = Sensor(request.room, colour_times=0)
+    moments = [scenario.at(0.4 * k) for k in range(20)]
+    assert any(moment.hands for moment in moments)
+    for k, moment in enumerate(moments):
+        used.frame(400_000 * k, moment.hands, moment.things)
+    for hands in ((), moments[-1].hands):
+        again, fresh = (
+            sensor.frame(8_000_000, hands)
+            for sensor in (used, Sensor(request.room, colour_times=0))
+        )
+        assert (again.depth == fresh.depth).all()
+        assert (again.ir == fresh.ir).all()
+
+
+def test_a_frame_that_fails_leaves_nothing_behind(monkeypatch):
+    request = parse_sim_url("sim:demo?seed=3")
+    hands = start_scenario(request.scenario, request.room).at(2.0).hands
+    sensor = Sensor(request.room, colour_times=0)
+    with monkeypatch.context() as patched:
+        patched.setattr("halo_service.virtual.sensor.cast_shadow", lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            sensor.frame(0, hands)
+    fresh = Sensor(request.room, colour_times=0)
+    assert (sensor.frame(1_000, ()).depth == fresh.frame(1_000, ()).depth).all()

@@ -5,16 +5,16 @@ import { colour, el, fitted } from "../dom.js";
 const MOST = 120;
 const LOADS = {
   none: "nothing",
-  reduced: "some looks",
-  least: "most looks",
-  dropping: "most looks, some frames",
+  reduced: "some hand model runs",
+  least: "most hand model runs",
+  dropping: "most hand model runs, some frames",
 };
 const FIGURES = [
   ["fps", "frames a second", (value) => value?.toFixed(1)],
   ["latency_ms", "latency, ms", (value) => (value < 0 ? "-" : value?.toFixed(1))],
   ["tracker_ms", "age of hand positions, ms", (value) => (value < 0 ? "-" : value?.toFixed(0))],
-  ["looks_hz", "looks of the hand model per s", (value) => (value < 0 ? "-" : value?.toFixed(0))],
-  ["load", "left out under load", (value) => LOADS[value] ?? "-"],
+  ["looks_hz", "hand model runs per s", (value) => (value < 0 ? "-" : value?.toFixed(0))],
+  ["load", "skipped under load", (value) => LOADS[value] ?? "-"],
   ["cpu", "CPU, cores", (value) => value?.toFixed(2)],
   ["drops", "missed frames", String],
   ["bad_frames", "bad frames", String],

@@ -69,7 +69,7 @@ function fingers(pointers, { calibrated }) {
     return el("p", { className: "soft" }, ready ? "No finger is near the surface." : "No touch is found before the touch step is done: open Set up.");
   }
   return table(
-    ["no.", "finger", "state", "height", "force", "sure"],
+    ["no.", "finger", "state", "height", "force", "confidence"],
     pointers.map((each) => [
       `${each.slot}`,
       `${each.side} ${each.finger}`,

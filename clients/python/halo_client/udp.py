@@ -15,6 +15,7 @@ from typing import Self
 from halo_client.errors import ClientError
 from halo_client.lease import Lease
 from halo_client.source import OscSource
+from halo_protocol import DEFAULT_CONTROL_PORT
 
 _LARGEST = 65_535
 _BUFFER_BYTES = 1 << 20
@@ -113,9 +114,9 @@ def _cannot_bind(source: OscSource, error: Exception) -> str:
     where = f"UDP port {source.port} on {source.host}"
     if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
         return (
-            f"{where} is in use, probably by another client: close it, or let the service send "
-            f"to one more port and receive there (osc://{_bracketed(source.host)}:"
-            f"{source.port + 2}), or use zenoh, which any number of clients can share"
+            f"{where} is in use, probably by another client: close it, or receive from "
+            f"'osc://?hello=127.0.0.1:{DEFAULT_CONTROL_PORT}' (with the service's address, if it "
+            "is on another machine), which any number of clients can do at once"
         )
     if isinstance(error, OSError) and error.errno == errno.EACCES:
         return f"{where} needs administrator rights; choose a port above 1023"

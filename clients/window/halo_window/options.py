@@ -15,6 +15,7 @@ def add_source_option(parser: argparse.ArgumentParser) -> None:
         default=halo_client.DEFAULT_SOURCE,
         metavar="SOURCE",
         help="where frames come from: osc://127.0.0.1:4256 (default), "
+        "'osc://?hello=127.0.0.1:4257' (while another client runs), "
         "zenoh://?connect=tcp/127.0.0.1:7447, or FILE.jsonl",
     )
 

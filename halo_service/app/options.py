@@ -75,3 +75,42 @@ def settings_from(options: argparse.Namespace) -> Settings:
     source = replace(settings.source, name=getattr(options, "source", None) or settings.source.name)
     profile = getattr(options, "profile", None) or settings.profile
     return replace(settings, profile=profile, source=source)
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where touches are sent by OSC, TUIO and WebSocket."""
+    parser.add_argument(
+        "--osc",
+        action="append",
+        metavar="HOST:PORT",
+        help="send OSC here instead of 127.0.0.1:4256, e.g. 127.0.0.1:7000/flat,rate=60; may be "
+        "repeated",
+    )
+    parser.add_argument(
+        "--tuio",
+        action="append",
+        metavar="HOST:PORT",
+        help="send TUIO 1.1 here, or 2.0 to HOST:PORT/tuio2; may be repeated",
+    )
+    parser.add_argument("--no-osc", action="store_true", help="send no OSC")
+    parser.add_argument("--no-web", action="store_true", help="open no WebSocket server")
+    parser.add_argument(
+        "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 4257)"
+    )
+
+
+def with_outputs(settings: Settings, options: argparse.Namespace) -> Settings:
+    """Return the settings with the options of `add_outputs`, which win."""
+    osc, tuio, web, control = settings.osc, settings.tuio, settings.web, settings.control
+    port = control.port if options.control_port is None else options.control_port
+    return replace(
+        settings,
+        osc=replace(
+            osc,
+            enabled=osc.enabled and not options.no_osc,
+            destinations=tuple(options.osc or osc.destinations),
+        ),
+        tuio=replace(tuio, destinations=tuple(options.tuio or tuio.destinations)),
+        web=replace(web, enabled=web.enabled and not options.no_web),
+        control=replace(control, port=port),
+    )

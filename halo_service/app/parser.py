@@ -13,6 +13,7 @@ from typing import Any, NoReturn, Protocol
 import halo_protocol as wire
 from halo_service.app.commands import (
     bench,
+    bridge,
     calibrate,
     cameras,
     conformance,
@@ -65,6 +66,7 @@ COMMANDS: dict[str, Command] = {
     "record": record,
     "replay": replay,
     "test-pattern": test_pattern,
+    "bridge": bridge,
     "simulate": simulate,
     "evaluate": evaluate,
     "bench": bench,

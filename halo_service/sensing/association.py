@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from itertools import count
+from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import unit
@@ -67,8 +68,16 @@ def _pairs(tracks: Sequence[Track], detections: Sequence[Detection]) -> dict[int
     if not tracks or not detections:
         return {}
     costs = np.array([[_cost(finger, each) for each in detections] for finger in tracks])
-    pairs = zip(*linear_sum_assignment(costs), strict=True)
+    pairs = zip(*load_solver()(costs), strict=True)
     return {int(i): int(j) for i, j in pairs if costs[i, j] < IMPOSSIBLE}
+
+
+@cache
+def load_solver() -> Any:
+    """Import SciPy's solver, once; programs that only read settings do not wait for it."""
+    from scipy.optimize import linear_sum_assignment
+
+    return linear_sum_assignment
 
 
 def _cost(finger: Track, detection: Detection) -> float:

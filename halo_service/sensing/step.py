@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from halo_service.profile import Profile
-from halo_service.sensing.association import associate
+from halo_service.sensing.association import associate, load_solver
 from halo_service.sensing.background import Drift, follow_drift
 from halo_service.sensing.contact import evidence
 from halo_service.sensing.correction import at_pitch, correct, leveled
@@ -52,6 +52,7 @@ class State:
 
 def start(profile: Profile | None, settings: SensingSettings) -> State:
     """Return the state before the first frame."""
+    load_solver()  # now, and not in the first frame with a hand
     return State(profile, settings)
 
 

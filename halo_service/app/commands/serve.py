@@ -5,7 +5,15 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from halo_service.app.options import add_profile, add_source, found_at, seconds, settings_from
+from halo_service.app.options import (
+    add_outputs,
+    add_profile,
+    add_source,
+    found_at,
+    seconds,
+    settings_from,
+    with_outputs,
+)
 
 SUMMARY = "run the service: read a camera, send touches"
 EXAMPLE = "halo serve --profile desk --osc 192.168.1.20:4256"
@@ -25,20 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--log-json", action="store_true", help="a JSON object for each log line")
     parser.add_argument("--node", metavar="NAME", help="name of this service on the network")
-    parser.add_argument(
-        "--osc",
-        action="append",
-        metavar="HOST:PORT",
-        help="send OSC here instead of 127.0.0.1:4256, e.g. 127.0.0.1:7000/flat,rate=60; may be "
-        "repeated",
-    )
-    parser.add_argument(
-        "--tuio",
-        action="append",
-        metavar="HOST:PORT",
-        help="send TUIO 1.1 here, or 2.0 to HOST:PORT/tuio2; may be repeated",
-    )
-    parser.add_argument("--no-osc", action="store_true", help="send no OSC")
+    add_outputs(parser)
     parser.add_argument(
         "--zenoh-listen", action="append", metavar="ENDPOINT", help="e.g. tcp/127.0.0.1:7447"
     )
@@ -46,38 +41,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--zenoh-connect", action="append", metavar="ENDPOINT", help="router or peer to connect to"
     )
     parser.add_argument("--no-zenoh", action="store_true", help="open no Zenoh session")
-    parser.add_argument("--no-web", action="store_true", help="open no WebSocket server")
     parser.add_argument("--no-page", action="store_true", help="serve no control page")
     parser.add_argument("--open", action="store_true", help="open the control page in a browser")
-    parser.add_argument(
-        "--control-port", type=int, metavar="PORT", help="UDP port for control (default: 4257)"
-    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the service; the command line wins over the settings file."""
-    settings = settings_from(options)
+    settings = with_outputs(settings_from(options), options)
     source = replace(
         settings.source,
         loop=options.loop or settings.source.loop,
         fast=options.fast or settings.source.fast,
         wait_s=settings.source.wait_s if options.wait is None else options.wait,
     )
-    osc = replace(
-        settings.osc,
-        enabled=settings.osc.enabled and not options.no_osc,
-        destinations=tuple(options.osc or settings.osc.destinations),
-    )
-    tuio = replace(settings.tuio, destinations=tuple(options.tuio or settings.tuio.destinations))
     zenoh = replace(
         settings.zenoh,
         enabled=settings.zenoh.enabled and not options.no_zenoh,
         listen=tuple(options.zenoh_listen or settings.zenoh.listen),
         connect=tuple(options.zenoh_connect or settings.zenoh.connect),
     )
-    web = replace(settings.web, enabled=settings.web.enabled and not options.no_web)
     page = replace(settings.page, enabled=settings.page.enabled and not options.no_page)
-    port = settings.control.port if options.control_port is None else options.control_port
     from halo_service.app.page.parts import PageRequest
     from halo_service.app.service.serve import serve  # heavy: settings are checked before
 
@@ -86,12 +69,8 @@ def run(options: argparse.Namespace) -> int:
             settings,
             node=options.node or settings.node,
             source=source,
-            osc=osc,
-            tuio=tuio,
             zenoh=zenoh,
-            web=web,
             page=page,
-            control=replace(settings.control, port=port),
         ),
         found_at(options.config),
         PageRequest(options.config, options.open),

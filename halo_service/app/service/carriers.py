@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import Destination, parse_destination
+from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.settings import Settings
 
@@ -33,6 +35,16 @@ def zenoh_output(
     from halo_service.outputs.zenoh import ZenohOutput
 
     return [stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))]
+
+
+def answer_hellos(control: ControlPort, leases: Leases) -> list[Destination]:
+    """Answer the clients that ask for the stream; return where streams go now."""
+    now_s = time.monotonic()
+    for message in control.drain():
+        for datagram, _ in leases.handle(message, now_s):
+            message.answer(datagram)
+    leases.expire(now_s)
+    return leases.destinations
 
 
 def web_server(

@@ -13,7 +13,12 @@ from typing import Protocol
 
 import halo_protocol as wire
 from halo_service.app.process import stop_on_signals
-from halo_service.app.service.carriers import destinations, web_server, zenoh_output
+from halo_service.app.service.carriers import (
+    answer_hellos,
+    destinations,
+    web_server,
+    zenoh_output,
+)
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
@@ -69,21 +74,11 @@ def send_pattern(settings: Settings, only: Sequence[Destination], seconds: float
         sender = PatternSender(Pattern(), frames, carriers, control.port)
         until_s = time.monotonic() + seconds if seconds is not None else None
         while not stopped.wait(1.0 / RATE_HZ):
-            _answer(control, leases, osc)
+            osc.set_leased(answer_hellos(control, leases))
             sender.send(time.monotonic())
             if until_s is not None and time.monotonic() >= until_s:
                 break
         sender.end()
-
-
-def _answer(control: ControlPort, leases: Leases, osc: OscOutput) -> None:
-    """Answer the clients that ask for the stream."""
-    now_s = time.monotonic()
-    for message in control.drain():
-        for datagram, _ in leases.handle(message, now_s):
-            message.answer(datagram)
-    leases.expire(now_s)
-    osc.set_leased(leases.destinations)
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,7 @@ class Electronics:
         self._correlated = Pool(_boxed(part, model.noise_box_px), shape)
         self._slow = Pool(_waves(rng, size), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
-        self._too_dark = Pool(_clipped(np.ceil(dark)), shape)
+        self._too_dark = Pool(np.ceil(_in_steps(dark)).astype(np.uint16), shape)
         self._pattern = _fixed_pattern(lens)
         self._seen = _most_counts(_flicker(lens, MODES[camera.depth_mode].field, model), model)
         self._holes = room.surface_material.holes
@@ -138,7 +138,7 @@ class Electronics:
         return _Quiet(
             np.asarray(seen.depth[box] + self._pattern[box], np.float32),
             np.asarray(cv2.sqrt(deviation), np.float32),
-            _clipped(np.minimum(infrared, self._seen[box])),
+            _in_steps(np.minimum(infrared, self._seen[box])).astype(np.uint16),
         )
 
     def _turned(self, rng: np.random.Generator) -> float:
@@ -169,8 +169,8 @@ class _Quiet:
     """mm that are read in the mean."""
     deviation: Image
     """mm."""
-    seen: NDArray[np.uint8]
-    """Infrared by which depth is readable, at most 255."""
+    seen: NDArray[np.uint16]
+    """Infrared by which depth is readable, in steps of 1/128 count."""
 
     def rows(self, rows: slice) -> _Quiet:
         return _Quiet(self.depth[rows], self.deviation[rows], self.seen[rows])
@@ -184,7 +184,7 @@ class _DepthNoise:
     white_times: float
     slow: Image
     slow_times: float
-    too_dark: NDArray[np.uint8]
+    too_dark: NDArray[np.uint16]
     drift_mm: float
 
     def read(self, quiet: _Quiet, box: Box) -> NDArray[np.uint16]:
@@ -197,9 +197,9 @@ class _DepthNoise:
         return np.asarray(cv2.copyTo(np.asarray(read, np.uint16), valid), dtype=np.uint16)
 
 
-def _clipped(counts: Image) -> NDArray[np.uint8]:
-    """Infrared to 8 bits: what is brighter is readable with certainty."""
-    return np.minimum(counts, np.float32(255.0)).astype(np.uint8)
+def _in_steps(counts: Image) -> Image:
+    """Infrared in steps of 1/128 count, for 16 bits: what is brighter is readable for certain."""
+    return np.asarray(np.float32(128.0) * np.minimum(counts, np.float32(511.0)), dtype=np.float32)
 
 
 def _everywhere(image: Image) -> Box:

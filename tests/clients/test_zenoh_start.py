@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import shutil
@@ -18,6 +19,8 @@ import zenoh
 
 import halo_client
 from halo_client.interfaces import multicast_interface
+from halo_client.source import ZenohSource, parse_source
+from halo_client.zenoh_input import zenoh_config
 
 NAMESPACE = f"halo{os.getpid()}"
 UNREACHABLE = ["10.9.0.2", "10.9.0.3"]
@@ -83,6 +86,36 @@ def test_a_client_whose_router_never_starts_ends_cleanly(free_tcp_port: int) -> 
             assert receiver.poll(0.01) == []
     with pytest.raises(halo_client.ClientError):
         halo_client.connect("zenoh://?connect=nonsense")
+
+
+@pytest.mark.parametrize(
+    ("settings", "connect", "multicast"),
+    [("", ["tls/10.0.0.1:7447"], True), ("&connect=tls/10.0.0.2:1", ["tls/10.0.0.2:1"], True)],
+)
+def test_a_configuration_file_is_the_start_and_settings_win_over_it(
+    tmp_path: Path, settings: str, connect: list[str], multicast: bool
+) -> None:
+    path = tmp_path / "zenoh.json5"
+    file = {
+        "connect": {"endpoints": ["tls/10.0.0.1:7447"]},
+        "scouting": {"multicast": {"enabled": True}},
+        "transport": {"link": {"tls": {"root_ca_certificate": "ca.pem"}}},
+    }
+    path.write_text(json.dumps(file))
+    source = parse_source(f"zenoh://?mode=client&config={path}{settings}")
+    assert isinstance(source, ZenohSource)
+    config = zenoh_config(source)
+    assert json.loads(config.get_json("connect/endpoints")) == connect
+    assert json.loads(config.get_json("scouting/multicast/enabled")) is multicast
+    assert json.loads(config.get_json("transport/link/tls/root_ca_certificate")) == "ca.pem"
+    assert json.loads(config.get_json("mode")) == "client"
+
+
+@pytest.mark.parametrize("mode", ["peer", "client"])
+@pytest.mark.parametrize("setting", ["config=/nowhere.json5", "connect=nonsense"])
+def test_what_can_never_open_is_an_error_and_not_tried_again(mode: str, setting: str) -> None:
+    with pytest.raises(halo_client.ClientError, match="cannot use Zenoh with"):
+        halo_client.connect(f"zenoh://?mode={mode}&{setting}")
 
 
 @pytest.fixture

@@ -71,6 +71,8 @@ class ZenohSource:
     """Whether to find peers by multicast, which many networks block."""
     mode: str = "peer"
     """`peer` or `client`."""
+    config: str = ""
+    """A Zenoh configuration file (JSON5) to start from, for TLS, access control and the like."""
     follow: Follow = FIRST
     """Which service to follow."""
 
@@ -93,8 +95,9 @@ def parse_source(url: str) -> Source:
     All but files: `?node=...&surface=...` names the service to follow, else the first one is
     followed; `follow=all` reports every service. OSC: `hello=HOST:PORT` asks a service to send
     here, to a free port if the URL names none, and `rate=30` limits its frames per second. Zenoh:
-    `connect` and `listen` (any number of each), `multicast=on|off` and `mode=peer|client`; without
-    `connect` and with multicast off, the source is the service on this machine.
+    `connect` and `listen` (any number of each), `multicast=on|off`, `mode=peer|client` and
+    `config=FILE`; without `connect`, and multicast off, the source is the service on this machine,
+    or what the file names.
     """
     if url.endswith(RECORDED) and "://" not in url:
         return FileSource(Path(url))
@@ -158,16 +161,18 @@ def _web(url: str, parts: SplitResult) -> WebSource:
 def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
     if parts.netloc or parts.path not in ("", "/"):
         raise ClientError(f"zenoh accepts settings only, not {url!r}; use {_EXAMPLES}")
-    settings = _settings("zenoh", parts, ("connect", "listen", "multicast", "mode"))
+    settings = _settings("zenoh", parts, ("connect", "listen", "multicast", "mode", "config"))
     multicast = _one_of("zenoh", settings, "multicast", ("off", "on")) == "on"
     listen = tuple(settings.get("listen", ()))
-    only_local = not multicast and not listen
+    config = settings.get("config", [""])[-1]
+    only_local = not multicast and not listen and not config
     default = (DEFAULT_ZENOH_ENDPOINT,) if only_local else ()
     return ZenohSource(
         connect=tuple(settings.get("connect", default)),
         listen=listen,
         multicast=multicast,
         mode=_one_of("zenoh", settings, "mode", ("peer", "client")),
+        config=config,
         follow=_follow("zenoh", settings),
     )
 

@@ -41,6 +41,7 @@ class ZenohInput:
         self._open: tuple[zenoh.Session, list[zenoh.Subscriber[None]]] | None = None
         self._tried_s = -math.inf
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
+        _check(source)
         try:
             self._try()
         except zenoh.ZError as error:
@@ -94,7 +95,8 @@ class ZenohInput:
 
 
 def zenoh_config(source: ZenohSource) -> zenoh.Config:
-    """The Zenoh configuration of a source."""
+    """The Zenoh configuration of a source. `ZError` for a bad endpoint, or a file that cannot be
+    read."""
     settings: dict[str, Any] = {
         "mode": source.mode,
         "connect/endpoints": list(source.connect),
@@ -109,14 +111,36 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
         # cannot be reached.
         "transport/unicast/open_timeout": 1000,
     }
-    config = zenoh.Config()
+    config = zenoh.Config.from_file(source.config) if source.config else zenoh.Config()
     for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
+        # What the file sets is replaced by a setting of the user, and not by a default.
+        if value or config.get_json(key) == zenoh.Config().get_json(key):
+            config.insert_json5(key, json.dumps(value))
     return config
 
 
+def _check(source: ZenohSource) -> None:
+    """Refuse what never opens, however often it is tried."""
+    try:
+        zenoh_config(source)
+    except zenoh.ZError as error:
+        raise ClientError(
+            f"cannot use Zenoh with {_named(source)} ({_reason(error)}); write endpoints as "
+            "tcp/HOST:PORT, and a configuration as a JSON5 file"
+        ) from error
+
+
 def _cannot_open(source: ZenohSource, error: Exception) -> str:
-    named = ", ".join((*source.connect, *source.listen)) or "multicast"
-    # Zenoh's error ends with a position in Zenoh's source code: cut off.
-    reason = str(error).partition(" at /")[0].strip()
-    return f"cannot open Zenoh with {named} ({reason}); is the service running with Zenoh on?"
+    return (
+        f"cannot open Zenoh with {_named(source)} ({_reason(error)}); is the service running with "
+        "Zenoh on?"
+    )
+
+
+def _named(source: ZenohSource) -> str:
+    return ", ".join((*source.connect, *source.listen)) or source.config or "multicast"
+
+
+def _reason(error: Exception) -> str:
+    """Zenoh's error ends with a position in Zenoh's source code: cut off."""
+    return str(error).partition(" at /")[0].strip()

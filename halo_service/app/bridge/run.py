@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 
-import zenoh
-
 import halo_protocol as wire
-from halo_client import Follow, ZenohSource
-from halo_client.zenoh_input import ZenohInput, zenoh_config
+from halo_client import ClientError, Follow, ZenohSource
+from halo_client.zenoh_input import ZenohInput
 from halo_service.app.bridge.lane import Lane
 from halo_service.app.bridge.relay import Relay
 from halo_service.app.process import stop_on_signals
@@ -40,7 +38,6 @@ def bridge(settings: Settings, follows: Sequence[Follow], source: ZenohSource) -
     network. Raises `UserError`.
     """
     wanted = destinations(settings)  # a wrong one ends the command before anything is opened
-    _check(source)
     node = follows[0].node if follows[0].node != wire.ANY else settings.node
     session = f"s{secrets.token_hex(4)}"
     stopped = threading.Event()
@@ -52,10 +49,10 @@ def bridge(settings: Settings, follows: Sequence[Follow], source: ZenohSource) -
         lanes = []
         for follow in follows:
             relay = Relay(settings.osc.max_bytes, with_node=len(follows) > 1)
-            entry = ZenohInput(replace(source, follow=follow))
-            lanes.append(Lane(entry, follow, relay, wanted, [web] if web else []))
+            lanes.append(Lane(_opened(source, follow), follow, relay, wanted, [web] if web else []))
             stack.callback(lanes[-1].close)
-        log.info("zenoh from %s: %s", ", ".join(source.connect), ", ".join(e.name for e in lanes))
+        network = ", ".join(source.connect) or source.config
+        log.info("zenoh from %s: %s", network, ", ".join(lane.name for lane in lanes))
         log.info("osc to %s", ", ".join(map(str, wanted)) or "off")
         log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
         log.info("ready; Ctrl-C ends")
@@ -80,12 +77,8 @@ def _report(lanes: Sequence[Lane], reported: dict[str, str]) -> None:
             log.info("%s", lane.status)
 
 
-def _check(source: ZenohSource) -> None:
-    """Refuse an endpoint that is none; one that does not answer yet is tried again."""
+def _opened(source: ZenohSource, follow: Follow) -> ZenohInput:
     try:
-        zenoh_config(source)
-    except zenoh.ZError as error:
-        raise UserError(
-            f"bridge: cannot connect to {', '.join(source.connect)} ({error}); write --connect "
-            "as tcp/HOST:PORT"
-        ) from error
+        return ZenohInput(replace(source, follow=follow))
+    except ClientError as error:
+        raise UserError(f"bridge: {error}") from error

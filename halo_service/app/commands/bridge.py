@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from halo_service.app.options import add_config, add_outputs, settings_from, with_outputs
 from halo_service.errors import UserError
+from halo_service.files import from_home
 
 if TYPE_CHECKING:
     from halo_client import Follow
@@ -43,9 +44,11 @@ def run(options: argparse.Namespace) -> int:
     from halo_client.source import DEFAULT_ZENOH_ENDPOINT
     from halo_service.app.bridge.run import bridge
 
-    connect = tuple(options.connect or settings.zenoh.connect or [DEFAULT_ZENOH_ENDPOINT])
+    config = str(from_home(settings.zenoh.config)) if settings.zenoh.config else ""
+    default = () if config else (DEFAULT_ZENOH_ENDPOINT,)
+    connect = tuple(options.connect or settings.zenoh.connect or default)
     # A router passes nothing from one peer to another, so the bridge is its client.
-    bridge(settings, follows, ZenohSource(connect, mode="client"))
+    bridge(settings, follows, ZenohSource(connect, mode="client", config=config))
     return 0
 
 

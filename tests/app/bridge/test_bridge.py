@@ -261,7 +261,7 @@ def test_the_command_serves_late_clients_and_says_at_its_end_what_it_lost(
         (["--node", "Desk"], "write --node NAME or NAME/SURFACE"),
         (["--node", "a", "--node", "a"], "name each --node once"),
         (["--node", "a" * 30, "--node", "b"], "at most 32 characters"),
-        (["--connect", "nonsense"], "write --connect as tcp/HOST:PORT"),
+        (["--connect", "nonsense"], "write endpoints as tcp/HOST:PORT"),
         (["--osc", "nowhere"], "is not a destination"),
     ],
 )

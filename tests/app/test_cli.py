@@ -33,7 +33,12 @@ def halo(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
             ["serve", "--source", "kinect2"],
             "source: unknown source 'kinect2'; did you mean 'azure-kinect'?",
         ),
+        (["serve", "--source", "femto"], "did you mean 'femto-bolt' or 'femto-mega'?"),
         (["serve", "--source", "recording:none.mkv"], "none.mkv does not exist"),
+        (
+            ["first-light", "out", "--profile", "p", "--source", "recording:none.mkv"],
+            "first-light: a recording cannot follow prompts; name a camera",
+        ),
         (["serve", "--source", "recording:"], "did you mean 'recording:FILE'?"),
         (["serve", "--source", "webcam"], "unknown source 'webcam'; choose from: azure-kinect,"),
         (["serve", "--source", "sim:nowhere"], "has no scenario 'nowhere'; choose from: demo,"),

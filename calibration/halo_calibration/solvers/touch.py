@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -47,6 +47,8 @@ HALO_AHEAD_MM = 2.0
 on the virtual camera, users with short nails)."""
 LEAST_NAIL_MM, MOST_NAIL_MM = 1.5, 15.0
 """Less is an error of the measurement, more no nail (chosen)."""
+MOST_STATED = 5000.0
+"""No stated height in mm or force in grams is above, as on the control page."""
 LEAST_HARDER = 1.3
 """A hard press is at least so many times the medium one, or it adds nothing (chosen)."""
 NOISE_FLOOR_MM_PX = 10.0
@@ -69,7 +71,13 @@ class StateValues:
     """Of the hard press; None: it is not held."""
 
     def __post_init__(self) -> None:
-        """Check the forces against each other. Raises `CalibrationError`."""
+        """Check each value, and the forces against each other. Raises `CalibrationError`."""
+        for value in (getattr(self, each.name) for each in fields(self)):
+            if value is not None and not 0.0 <= value <= MOST_STATED:
+                raise CalibrationError(
+                    f"a stated height or force of {value:g} is impossible; "
+                    f"give mm or grams in range 0..{MOST_STATED:g}"
+                )
         if self.hard_g is None:
             return
         if self.pressure_g is None:

@@ -18,6 +18,7 @@ from halo_calibration.steps.camera import (
     STEEP_DEG,
     CameraReport,
 )
+from halo_service.app.calibration_ui.verdict import QUIET_MM
 from halo_service.evaluation.metrics.result import Result
 from halo_service.evaluation.report import level_plots, touch_plots
 from halo_service.evaluation.report.figures import ValuesOf
@@ -100,7 +101,8 @@ def placement_rows(account: Account) -> list[Row]:
             100 * LEAST_MEASURED, remedy="remove glass and mirrors; keep sunlight off the table"),
         Row("infrared of the table", camera.infrared, "counts", DARK_COUNTS,
             remedy="put a lighter, matt cloth or paper there"),
-        Row("noise of the depth, one frame", noise_mm, "mm", most=3.0, digits=1, remedy=closer),
+        Row("noise of the depth, one frame", noise_mm, "mm", most=QUIET_MM, digits=1,
+            remedy=closer),
         Row("frames lost", 100 * account.lost_share, "%", most=1.0, digits=1,
             remedy="use another USB 3 port, close other programs"),
     ]  # fmt: skip
@@ -123,8 +125,8 @@ def touch_rows(account: Account) -> list[Row]:
             remedy="lay the surface sheet exactly on the crosses and calibrate the surface again"),
         Row("height of the fingertip, error", values["hover_error_mm"], "mm", most=hover_mm,
             digits=1, remedy="calibrate 'touch' with pegs: --hover-mm 10 --subtle-mm 1"),
-        Row("pressure, error of 385 g", values["pressure_error_percent"], "%", most=19.0, digits=1,
-            remedy="calibrate 'touch' with a scale: --press-g 200 --hard-g 400"),
+        Row("pressure, error in % of 385 g", values["pressure_error_percent"], "%", most=19.0,
+            digits=1, remedy="calibrate 'touch' with a scale: --press-g 200 --hard-g 400"),
     ]  # fmt: skip
 
 
@@ -226,7 +228,8 @@ def _advice(account: Account) -> str:
     words += list(account.camera.advice)
     if account.missed:
         words.append(
-            f"{len(account.missed)} tasks were not felt or not held still: {account.missed[0]} ..."
+            f"Tasks that were not felt or not held still: {len(account.missed)}, the first is: "
+            f"{account.missed[0]}"
         )
     if account.coins:
         words.append(
@@ -241,8 +244,8 @@ def _advice(account: Account) -> str:
 def _plots(results: Sequence[Result]) -> list[str]:
     drawn = [
         ("Touches around their crosses", touch_plots.targets(results, "ours")),
-        ("Heights: requested and reported", level_plots.levels(results, "hover")),
-        ("Pressure: requested and reported", level_plots.levels(results, "pressure")),
+        ("Heights: requested and reported", level_plots.levels(results, "hover", "requested")),
+        ("Pressure: requested and reported", level_plots.levels(results, "pressure", "requested")),
     ]
     return [
         f"<figure><figcaption>{title}</figcaption>"

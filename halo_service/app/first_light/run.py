@@ -70,6 +70,11 @@ def first_light(settings: Settings, request: FirstLightRequest) -> Path:
     """
     if not settings.profile:
         raise UserError("first-light: name a new or existing profile: --profile desk")
+    if settings.source.name.startswith("recording:"):
+        raise UserError(
+            "first-light: a recording cannot follow prompts; name a camera, or "
+            "--source sim:calibration"
+        )
     settings = _decided(settings)
     _require_healthy(settings)
     folder = _folder(request.folder)

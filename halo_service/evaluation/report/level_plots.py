@@ -23,13 +23,16 @@ LEVELS = {
 """Unit, where the scales end, and their numbers."""
 
 
-def levels(results: Sequence[Result], kind: str) -> list[str]:
-    """Reported over true levels, one drawing per family of halo curves."""
+def levels(results: Sequence[Result], kind: str, against: str = "true") -> list[str]:
+    """Reported over true levels, one drawing per family of halo curves.
+
+    `against`: what the levels are, for the axis; e.g. "requested" where the truth is unknown.
+    """
     drawings = []
     for family in sorted({r.subject.family for r in results}):
         mine = [r for r in results if r.subject.family == family]
         if any(trial.kind == kind for trial in select.pooled(mine).trials):
-            drawings.append(_family(family, mine, kind))
+            drawings.append(_family(family, mine, kind, against))
     return drawings
 
 
@@ -56,11 +59,12 @@ def retaps(results: Sequence[Result]) -> list[str]:
     return [drawing(panel, "re-taps reported by lift", [frame, *lines])]
 
 
-def _family(family: str, results: Sequence[Result], kind: str) -> str:
+def _family(family: str, results: Sequence[Result], kind: str, against: str) -> str:
     unit, end, numbers = LEVELS[kind]
     panel = Panel(230.0, 230.0, (0.0, end), (0.0, end))
+    names = f"{against}, {unit}", f"reported, {unit}"
     parts = [
-        axes(panel, family, f"true, {unit}", f"reported, {unit}", ticks(*numbers), ticks(*numbers)),
+        axes(panel, family, *names, ticks(*numbers), ticks(*numbers)),
         line(panel, (0.0, end), (0.0, end), "truth"),
     ]
     for method in reversed(select.methods(results)):  # the first is drawn on top

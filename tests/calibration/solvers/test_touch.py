@@ -123,6 +123,12 @@ def test_a_hard_press_needs_a_medium_one_below_it(
         StateValues(pressure_g=forces_g[0], hard_g=forces_g[1])
 
 
+@pytest.mark.parametrize("value", [-5.0, float("nan"), float("inf"), 1e9])
+def test_an_impossible_stated_value_is_refused(value: float) -> None:
+    with pytest.raises(CalibrationError, match=r"impossible; give mm or grams in range 0\.\.5000"):
+        StateValues(pressure_g=value)
+
+
 def test_a_surface_without_a_halo_gets_its_verdict(hold: Hold) -> None:
     flat = {state: hold(state, 5.0, noise=3.0) for state in STATES}
     with pytest.raises(CalibrationError) as refused:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from halo_client import Began, Ended, Moved, PictureTransform, Silence, touches
-from halo_protocol import Down, Homography, Pointer, TouchFrame, Up
+from halo_protocol import Down, Homography, Lost, Pointer, TouchFrame, Up
 
 FINGER = Pointer(7, 0, 2, 1, 1, 0.5, 0.5, 150.0, 100.0, 0.0, 0.6, 0.0, 0.0, 0.9, 3, -1.0)
 DOWN = Down(7, 0, 0.5, 0.5, 180.0, 12.0, 3)
@@ -68,5 +68,7 @@ def test_silence_is_reported_once_and_so_is_its_end() -> None:
     assert silence.notice([], 11.0) is None
     assert str(silence.notice([], 12.5)).startswith("waiting: no frames at osc://here")
     assert silence.notice([], 20.0) is None
+    lost = Lost(FRAME.surface, FRAME.node, FRAME.session)
+    assert silence.notice([FRAME, lost], 20.5) is None  # the receiver's own frame ends the touches
     assert silence.notice([FRAME], 21.0) == "frames come from osc://here"
     assert silence.notice([FRAME], 22.0) is None

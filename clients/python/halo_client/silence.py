@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from halo_protocol import Event, TouchFrame
+from halo_protocol import Event, Lost, TouchFrame
 
 REPORT_AFTER_S = 2.0
 """Silence that is reported; a service sends at least once a second."""
@@ -32,7 +32,9 @@ class Silence:
 
     def notice(self, events: Sequence[Event], now_s: float) -> str | None:
         """Process the events of a poll; returns a sentence when the state changes."""
-        if any(isinstance(event, TouchFrame) for event in events):
+        # The last frame of a lost service is the receiver's own, to end the touches.
+        lost = any(isinstance(event, Lost) for event in events)
+        if not lost and any(isinstance(event, TouchFrame) for event in events):
             self._last_frame_s = now_s
             if self.waiting:
                 self.waiting = False

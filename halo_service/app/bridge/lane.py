@@ -44,7 +44,9 @@ class Lane:
         self._osc = OscOutput(list(destinations))
         self._carriers = [self._osc, *carriers]
         self._errors = ErrorLog()
-        self.name = follow.node if follow.node != ANY else "the first node"
+        named = [each for each in (follow.node, follow.surface) if each != ANY]
+        self.name = "/".join(named) or "any node"
+        """Of node and surface, as far as it is clear which they are."""
         self._welcomed: list[Destination] = []
         self.leased: list[Destination] = []
         """Clients that asked for the stream; replaced as a whole by another thread."""
@@ -82,6 +84,8 @@ class Lane:
                 for outgoing in self._relay.outgoing(events, self._receiver.services.scenes):
                     for carrier in self._carriers:
                         carrier.send(outgoing)
+                if self._receiver.following is not None:
+                    self.name = "/".join(self._receiver.following[:2])
                 said = silence.notice(events, time.monotonic())
                 if said and not self._receiver.ended:
                     log.info("%s", said)

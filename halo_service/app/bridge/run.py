@@ -57,7 +57,7 @@ def bridge(settings: Settings, follows: Sequence[Follow], source: ZenohSource) -
         log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
         log.info("ready; Ctrl-C ends")
         leases = Leases(node, session, settings.control.networks)
-        reported = {lane.name: lane.losses for lane in lanes}
+        reported = {lane: lane.losses for lane in lanes}
         next_s = time.monotonic() + STATUS_S
         while not stopped.wait(TURN_S):
             leased = answer_hellos(control, leases)
@@ -68,12 +68,12 @@ def bridge(settings: Settings, follows: Sequence[Follow], source: ZenohSource) -
                 _report(lanes, reported)
 
 
-def _report(lanes: Sequence[Lane], reported: dict[str, str]) -> None:
+def _report(lanes: Sequence[Lane], reported: dict[Lane, str]) -> None:
     """Log each lane that lost something since it was reported last."""
     for lane in lanes:
         losses = lane.losses
-        if reported[lane.name] != losses:
-            reported[lane.name] = losses
+        if reported[lane] != losses:
+            reported[lane] = losses
             log.info("%s", lane.status)
 
 

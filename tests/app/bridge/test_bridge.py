@@ -250,7 +250,7 @@ def test_the_command_serves_late_clients_and_says_at_its_end_what_it_lost(
     bridge.send_signal(signal.SIGTERM)
     assert bridge.wait(WAIT_S) == 0
     said = bridge.stderr.read()
-    assert re.search(r"desk: \d+ frames arrived, 3 frames missed", said), said
+    assert re.search(r"desk/table: \d+ frames arrived, 3 frames missed", said), said
     headers = [each for each in port.messages() if isinstance(each, wire.Frame)]
     assert headers[-1].count == 0
 

@@ -246,8 +246,14 @@ def _facts(settings: Settings, source: dict[str, str], followed: Followed) -> di
         "profile": settings.profile,
         "halo-service": version("halo-service"),
         "system": f"{platform.system()} on {platform.machine()}",
+        "evaluated": _evaluated([line["step"] for line in followed.lines]),
         "recorded": f"{followed.frames} frames in which something was done",
     }
+
+
+def _evaluated(steps: list[str]) -> str:
+    touches, heights, forces = (steps.count(each) for each in ("target", "hover", "pressure"))
+    return f"{touches} touches, {heights} heights, {forces} forces"
 
 
 def _now() -> str:

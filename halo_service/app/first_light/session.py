@@ -100,7 +100,7 @@ def follow_tasks(
         announcer.prompt(task.prompt, f"{number} of {len(tasks)}")
         pace = _follow_one(task, frames, see, announcer, tape, touch_raw)
         if pace.state is State.MISSED:
-            announcer.say("not felt; on with the next one")
+            announcer.say("not felt or not held still; go on with the next one")
             followed.missed.append(task.prompt.words)
         if pace.state is State.DONE or task.step == "target":  # a missed touch counts as missed
             followed.lines.append(_line(task, pace, tape.seconds))

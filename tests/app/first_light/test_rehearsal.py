@@ -46,6 +46,7 @@ def test_a_session_ends_in_a_report_and_a_small_recording(
     assert (folder / "first-light.mkv").stat().st_size < 200e6 * 4 / 52
     report = (folder / "report.html").read_text()
     assert "<td>touches reported, of those requested</td><td>100.0 %</td>" in report
+    assert "<dd>2 touches, 1 heights, 1 forces</dd>" in report
     assert "A rehearsal: the camera, the hand and the table were virtual." in report
     assert main(["first-light", str(folder), *given]) == 2
     assert "has a session already" in capsys.readouterr().err

@@ -1,9 +1,10 @@
 """Stage 7: the probability that a finger touches, from all that one frame shows of it.
 
-Evidence: the level of its halo, how fast that rises, and the finger's own depth, each over its
-standard deviation. Their log-odds are added: no one of them decides alone, none is a veto. What the
-evidence is worth was measured on virtual tuning users (see docs/evaluation.md), so the probability
-is calibrated there: of the frames with 0.9, about 90 % touch.
+Evidence: the level of its halo, how fast that rises, how suddenly the rise ends, and the finger's
+own depth, each over its standard deviation. Their log-odds are added: no one of them decides alone,
+none is a veto. What the evidence is worth was measured on virtual tuning users (see
+docs/evaluation.md), so the probability is calibrated there: of the frames with 0.9, about 90 %
+touch.
 """
 
 from __future__ import annotations
@@ -22,6 +23,12 @@ LEVEL_ODDS, RISE_ODDS, OWN_ODDS = 1.7, 0.2, 0.8
 """Log-odds for each standard deviation of the level, of its rise in one frame, and of the finger's
 own depth (a logistic regression on tuning users, rounded). A normal distribution is worth 1.7; the
 own depth is worth half, for a fingertip that is found next to its place reads another depth."""
+STOP_ODDS = 0.3
+"""Log-odds for each standard deviation by which the level rose faster just before: the surface
+stops a finger in one frame, a hovering one stops itself over several (chosen: with the most sigmas
+it outweighs a level that reads 0.2 too low)."""
+STILL = 2.0
+"""A finger stops where it rises or falls by less than half of that (chosen)."""
 PRIOR_ODDS = 0.9
 """Log-odds where the level is at contact and nothing else is measured (the regression gives 0.7;
 higher, so that a touch where the halo is weaker than the sweep predicts is not missed)."""
@@ -53,10 +60,14 @@ def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     return Evidence(level, deviation, *own_height(tip, states))
 
 
-def contact_probability(seen: Evidence, rise: float) -> float:
-    """Return the probability that a finger touches. `rise`: of the level, in one frame."""
+def contact_probability(seen: Evidence, rise: float, before: float = 0.0) -> float:
+    """Return the probability that a finger touches.
+
+    `rise`: of the level, in one frame; `before`: how fast it rose in the frames before.
+    """
     odds = PRIOR_ODDS + LEVEL_ODDS * _sigmas(seen.level - CONTACT_LEVEL, seen.deviation)
     odds += RISE_ODDS * _sigmas(rise, seen.deviation)
+    odds += STOP_ODDS * _sigmas(max(before - STILL * abs(rise), 0.0), seen.deviation)
     if math.isfinite(seen.height_mm):
         odds += OWN_ODDS * _sigmas(-seen.height_mm, seen.height_deviation_mm)
     return 1.0 / (1.0 + math.exp(-odds))

@@ -13,6 +13,8 @@ from halo_service.sensing.settings import SensingSettings
 
 FRAME_US = 33_333
 """A rise is counted for one frame at 30 a second, whatever the camera's rate."""
+FADES = 0.8
+"""What is left of an earlier rise after each frame (chosen: a third after five)."""
 GAP_FRAMES = 4.0
 """Over a longer gap the rise is unknown."""
 
@@ -29,6 +31,8 @@ class Detector:
     touching: bool = False
     ago_us: int = 0
     """How long before `time_us` the finger met or left the surface, if it just did."""
+    rose: float = 0.0
+    """How fast the level rose lately, in one frame: the most, fading."""
     was_apart: bool = True
     """Whether it was ever seen apart from the surface: one that was found pressing must lift first,
     because it is unknown when it came down."""
@@ -51,7 +55,8 @@ def detect(
         return Detector(probability, seen.level, time_us, was_apart=apart)
     frames = max(time_us - before.time_us, 1) / FRAME_US
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
-    probability = contact_probability(seen, rise)
+    rose = before.rose * FADES**frames
+    probability = contact_probability(seen, rise, rose)
     if before.touching:
         touching = probability >= settings.up_level
     else:
@@ -66,6 +71,7 @@ def detect(
         ago_us=round((time_us - before.time_us) * _since(before.level, seen.level))
         if changed
         else 0,
+        rose=max(rise, rose),
         was_apart=before.was_apart or probability < settings.down_level,
     )
 

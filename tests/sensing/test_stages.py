@@ -180,6 +180,14 @@ def test_a_rise_makes_a_touch_more_probable_and_a_fall_less() -> None:
     assert falling < still < rising
 
 
+def test_the_surface_stops_a_finger_at_once_and_a_hovering_one_stops_slowly() -> None:
+    """The halo of a touch may read too weak at its place; how it stopped shows the contact."""
+    tap = levels(-2.9, -2.6, -2.2, -0.4, 0.2, 0.2, 0.2, 0.2)
+    approach = levels(-1.2, -0.8, -0.4, -0.1, 0.1, 0.2, 0.2, 0.2)
+    assert [each.touching for each in tap] == [*[False] * 5, *[True] * 3]
+    assert not any(each.touching for each in approach)
+
+
 def test_no_evidence_decides_alone() -> None:
     """A misread frame may show any level and any depth; neither makes or rules out a touch."""
     high = Evidence(0.5 + 1.0, 0.3, 30.0, 3.0)

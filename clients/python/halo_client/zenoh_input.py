@@ -142,5 +142,5 @@ def _named(source: ZenohSource) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Zenoh's error ends with a position in Zenoh's source code: cut off."""
-    return str(error).partition(" at /")[0].strip()
+    """Cut off the names of Zenoh's types before its message, and the place in its code after it."""
+    return str(error).partition(" at /")[0].rpartition('msg: "')[2].strip()

@@ -1,7 +1,8 @@
 """A long nail: the outline ends with it, but the pad and the halo around it are farther back.
 
-The camera cannot tell a nail from skin. The halo can: beside a touching finger it is deepest near
-the pad. Calibration measures how far back that is, and the reported place is moved by it.
+The camera cannot tell a nail from skin. The halo can: at the sides of a touching finger it is
+deepest near the pad. Calibration measures how far back that is, and the reported place is moved by
+it. The halo's readings and their correction stay at the outline's end, in calibration and after it.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ WINDOW = np.ones(5)
 
 
 def halo_behind_mm(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> float:
-    """Return how far behind the pad the halo beside a finger is deepest, mm; nan if hidden.
+    """Return how far behind the pad the halo at a finger's sides is deepest, mm; nan if hidden.
 
     `tip`: located as if it had no long nail.
     """
@@ -53,7 +54,12 @@ def halo_behind_mm(segmentation: Segmentation, tip: Fingertip, profile: Profile)
     return -float(weight @ along / weight.sum())
 
 
-def pad_under_nail(tip: Fingertip, nail_mm: float) -> tuple[float, float]:
-    """Return where the pad is on the surface, x and y in mm, of a finger with such a nail."""
-    yaw, back = math.radians(tip.yaw_deg), nail_mm * math.cos(math.radians(tip.pitch_deg))
-    return tip.pad_mm[0] - back * math.sin(yaw), tip.pad_mm[1] + back * math.cos(yaw)
+def pad_under_nail(
+    pad_mm: tuple[float, float], pitch_deg: float, yaw_deg: float, nail_mm: float
+) -> tuple[float, float]:
+    """Return where the pad is on the surface, mm, of a finger with such a nail.
+
+    `pad_mm`: located as if it had none.
+    """
+    yaw, back = math.radians(yaw_deg), nail_mm * math.cos(math.radians(pitch_deg))
+    return pad_mm[0] - back * math.sin(yaw), pad_mm[1] + back * math.cos(yaw)

@@ -151,7 +151,7 @@ def describe(
     touching = contact.touching
     pressure = touch_pressure(signal, states) if touching else 0.0
     deviation_g = touch_force(signal, states)[1] if touching and knows_force(states) else math.nan
-    x_mm, y_mm = pad_under_nail(tip, states.nail_mm)
+    x_mm, y_mm = pad_under_nail(tip.pad_mm, tip.pitch_deg, tip.yaw_deg, states.nail_mm)
     hover_mm, deviation_mm = (0.0, math.nan) if touching else hover_height(signal, tip, states)
     return Pointer(
         id=id,

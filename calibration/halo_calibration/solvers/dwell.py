@@ -12,8 +12,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from halo_calibration.observe import Observation
-from halo_calibration.solvers.touch import NO_HALO_MM_PX
+from halo_calibration.solvers.touch import NO_HALO_MM_PX, nail_length_mm
 from halo_service.profile import Profile
+from halo_service.sensing.nail import pad_under_nail
 
 STILL_S = 0.4
 """A finger is still at the end of a tap for less than that; chosen."""
@@ -36,8 +37,11 @@ Place = tuple[float, float]
 class Dwells:
     """Finds touches in the observations as they arrive."""
 
-    def __init__(self, fps: float, least_raw: float = NO_HALO_MM_PX) -> None:
-        """`least_raw`: the weakest halo that is a touch, mm px."""
+    def __init__(
+        self, fps: float, least_raw: float = NO_HALO_MM_PX, nail_mm: float | None = None
+    ) -> None:
+        """`least_raw`: the weakest halo that is a touch, mm px; `nail_mm`: None where unknown."""
+        self._nail_mm = nail_mm
         self._frames = round(STILL_S * fps)
         self._least_raw = least_raw
         self._strongest = 0.0
@@ -63,7 +67,12 @@ class Dwells:
         raw = float(np.median([each.raw for each in down]))
         self._strongest = max(self._strongest, raw)
         self._resting = min(down, key=lambda each: abs(each.raw - raw))
-        return float(middle[0]), float(middle[1])
+        pitch, yaw = (
+            float(np.median(angles))
+            for angles in zip(*((each.pitch_deg, each.yaw_deg) for each in down), strict=True)
+        )
+        nail_mm = nail_length_mm(down) if self._nail_mm is None else self._nail_mm
+        return pad_under_nail((float(middle[0]), float(middle[1])), pitch, yaw, nail_mm)
 
     def _least(self) -> float:
         return max(self._least_raw, LEAST_OF_TOUCH * self._strongest)
@@ -77,7 +86,8 @@ def dwells_for(profile: Profile, fps: float) -> Dwells:
     """Find touches with the halo levels of this finger."""
     if profile.touch is None:
         return Dwells(fps)
-    return Dwells(fps, max(NO_HALO_MM_PX, LEAST_OF_TOUCH * profile.touch.touch.raw))
+    least_raw = max(NO_HALO_MM_PX, LEAST_OF_TOUCH * profile.touch.touch.raw)
+    return Dwells(fps, least_raw, profile.touch.nail_mm)
 
 
 def touches(seen: Iterable[Observation | None], dwells: Dwells, count: int) -> list[Place]:

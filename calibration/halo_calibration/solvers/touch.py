@@ -43,7 +43,7 @@ CLEAR_SIGMAS = 3.0
 GOOD_SIGMAS = 6.0
 """From here on every single frame separates them."""
 HALO_AHEAD_MM = 2.0
-"""A finger hides the halo under it: beside it the halo is deepest so far ahead of the pad (measured
+"""A finger hides the halo under it: at its sides the halo is deepest so far before the pad (measured
 on the virtual camera, users with short nails)."""
 LEAST_NAIL_MM, MOST_NAIL_MM = 1.5, 15.0
 """Less is an error of the measurement, more no nail (chosen)."""
@@ -192,15 +192,15 @@ def solve_touch(
         finger_thickness_mm=_finite([each.top_mm - hover_mm for each in seen], THICKNESS_MM),
         tip_radius_mm=_finite([each.width_mm / 2.0 for each in seen], TIP_RADIUS_MM),
         hard=_hard_state(holds, read["pressure"], state_values),
-        nail_mm=_nail_mm([*holds["touch"].observations, *holds["pressure"].observations]),
+        nail_mm=nail_length_mm([*holds["touch"].observations, *holds["pressure"].observations]),
     )
     quality: Quality = "good" if apart >= GOOD_SIGMAS and dents_known(states) else "fair"
     return corrected(states, correction), apart, quality
 
 
-def _nail_mm(seen: Sequence[Observation]) -> float:
-    """Return how far the outline reaches beyond the fingertip, along the finger."""
-    behind_mm = _finite([each.halo_behind_mm for each in seen], 0.0) + HALO_AHEAD_MM
+def nail_length_mm(seen: Sequence[Observation]) -> float:
+    """Return how far the outline of a touching finger reaches beyond its tip, along the finger."""
+    behind_mm = _finite([each.halo_behind_mm for each in seen], -HALO_AHEAD_MM) + HALO_AHEAD_MM
     pitch_deg = _median([each.pitch_deg for each in seen])
     if behind_mm < LEAST_NAIL_MM:
         return 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from halo_calibration.observe import Observation
@@ -59,6 +61,18 @@ def test_touches_are_counted(stretches: list[Stretch | float], count: int) -> No
 def test_a_touch_is_where_the_finger_stood() -> None:
     (place,) = touches(finger(TOUCH), Dwells(FPS), 1)
     assert place == pytest.approx((100.0, 50.0), abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("known_mm", "behind_mm", "back_mm"), [(None, -2.0, 0.0), (None, 6.0, 8.0), (12.0, -2.0, 8.49)]
+)
+def test_a_touch_is_under_a_long_nail(
+    known_mm: float | None, behind_mm: float, back_mm: float
+) -> None:
+    """As measured in the touch itself, or by the held states where these are known."""
+    seen = [each and replace(each, halo_behind_mm=behind_mm) for each in finger(TOUCH)]
+    (place,) = touches(seen, Dwells(FPS, nail_mm=known_mm), 1)
+    assert place == pytest.approx((100.0, 50.0 + back_mm), abs=1.0)
 
 
 def test_a_weak_halo_is_no_touch_where_the_finger_is_known() -> None:

@@ -43,8 +43,8 @@ CLEAR_SIGMAS = 3.0
 GOOD_SIGMAS = 6.0
 """From here on every single frame separates them."""
 HALO_AHEAD_MM = 2.0
-"""A finger hides the halo under it: at its sides the halo is deepest so far before the pad (measured
-on the virtual camera, users with short nails)."""
+"""A finger hides the halo under it: at its sides the halo is deepest so far beyond the pad
+(measured on the virtual camera, users with short nails)."""
 LEAST_NAIL_MM, MOST_NAIL_MM = 1.5, 15.0
 """Less is an error of the measurement, more no nail (chosen)."""
 MOST_STATED = 5000.0

@@ -47,7 +47,7 @@ class _Slot:
 
 @dataclass(frozen=True, slots=True)
 class _Empty:
-    """A region in which the model found no hand."""
+    """A region without a hand, by the model or by its shape."""
 
     region: Region
     time_us: int
@@ -67,6 +67,7 @@ class RegionTracker:
         self._px_per_mm = focal_px / max(float(np.median(background_mm[valid])), 1.0)
         self._slots = [_Slot(HandTracker(model_path, max_hands=1)) for _ in range(max_hands)]
         self._empty: tuple[_Empty, ...] = ()
+        self._shapeless: tuple[_Empty, ...] = ()
         self._unfound_us: int | None = None
 
     def detect(self, frame: Frame) -> Tracked:
@@ -96,8 +97,7 @@ class RegionTracker:
         """
         hands = self._hands()
         proposed = find_regions(height_mm, self._valid, hands, self._px_per_mm)
-        recent = [e for e in self._empty if 0 <= frame.time_us - e.time_us < RETRY_US]
-        self._empty = tuple(recent)
+        self._empty = recent = _recent(self._empty, frame.time_us)
         region = next((each for each in proposed if not self._is_empty(each, recent)), None)
         if region is not None:
             slot.hand = self._find(slot, region, height_mm, frame, hands)
@@ -119,11 +119,15 @@ class RegionTracker:
         self._unfound_us = since_us
         if 0 <= frame.time_us - since_us < UNFOUND_US:
             return None
-        shapes = (
-            hand_from_blob(height_mm, self._background_mm, self._valid, region)
-            for region in proposed
-        )
-        return next((hand for hand in shapes if hand is not None), None)
+        self._shapeless = _recent(self._shapeless, frame.time_us)
+        for region in proposed:
+            if self._is_empty(region, self._shapeless):
+                continue
+            hand = hand_from_blob(height_mm, self._background_mm, self._valid, region)
+            if hand is not None:
+                return hand
+            self._shapeless = (*self._shapeless, _Empty(region, frame.time_us))
+        return None
 
     def _find(
         self,
@@ -158,3 +162,7 @@ class RegionTracker:
 
 def _palm(hand: Hand) -> list[float]:
     return [float(each) for each in hand.landmarks_px[list(PALM)].mean(axis=0)]
+
+
+def _recent(empty: tuple[_Empty, ...], time_us: int) -> tuple[_Empty, ...]:
+    return tuple(each for each in empty if 0 <= time_us - each.time_us < RETRY_US)

@@ -82,13 +82,33 @@ class FindsNothing:
         """There is nothing to free."""
 
 
-def test_the_tracker_reports_a_shape_only_where_the_model_finds_nothing_for_a_while(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+@pytest.fixture
+def blind(monkeypatch: pytest.MonkeyPatch) -> RegionTracker:
+    """A tracker with a model that finds nothing."""
     monkeypatch.setattr(
         "halo_service.hand_tracking.region_tracker.HandTracker", lambda *_, **__: FindsNothing()
     )
-    tracker = RegionTracker(None, BACKGROUND, VALID, FOCAL_PX, 2)
+    return RegionTracker(None, BACKGROUND, VALID, FOCAL_PX, 2)
+
+
+def test_a_thing_that_lies_still_is_not_examined_in_every_frame(
+    blind: RegionTracker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    times_us: list[int] = []
+    monkeypatch.setattr(
+        "halo_service.hand_tracking.region_tracker.hand_from_blob", lambda *_: times_us.append(0)
+    )
+    book = heights(((200, 570), (440, 400), 150, 30.0))
+    depth, ir = (SURFACE_MM - book).astype(np.uint16), np.full(SHAPE, 800, np.uint16)
+    for time_us in range(0, 5 * UNFOUND_US, 33_000):
+        blind.detect(Frame(time_us, depth, ir))
+    assert 3 <= len(times_us) <= 5
+
+
+def test_the_tracker_reports_a_shape_only_where_the_model_finds_nothing_for_a_while(
+    blind: RegionTracker,
+) -> None:
+    tracker = blind
     depth = (SURFACE_MM - heights(ARM, PALM, FINGER)).astype(np.uint16)
     ir = np.full(SHAPE, 800, np.uint16)
     counts = {

@@ -105,10 +105,11 @@ def zenoh_service() -> Iterator[Callable[..., Service]]:
     """`zenoh_service(endpoint)` -> a service on a peer of its own, closed at the end."""
     sessions = []
 
-    def at(endpoint: str, mode: str = "peer", **settings: str) -> Service:
+    def at(endpoint: str, mode: str = "peer", connect: str = "", **settings: str) -> Service:
         config = zenoh.Config()
         config.insert_json5("mode", json.dumps(mode))
         config.insert_json5("listen/endpoints", json.dumps([endpoint]))
+        config.insert_json5("connect/endpoints", json.dumps([connect] if connect else []))
         config.insert_json5("scouting/multicast/enabled", "false")
         session = zenoh.open(config)
         sessions.append(session)

@@ -78,7 +78,7 @@ def test_a_source_is_understood(url: str, source: Source) -> None:
             "unknown setting 'conect'; choose from: connect, listen",
         ),
         ("zenoh://?multicast=maybe", "multicast is off or on"),
-        ("zenoh://?mode=router", "mode is peer or client"),
+        ("zenoh://?mode=router", "mode is auto, peer or client"),
         ("zenoh://?node=**", "node must be"),
         ("zenoh://?surface=control", "reserved"),
     ],

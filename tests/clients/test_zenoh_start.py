@@ -67,7 +67,7 @@ def test_a_client_that_starts_before_its_router_is_connected_later(
     endpoint = f"tcp/127.0.0.1:{free_tcp_port}"
     with (
         caplog.at_level(logging.WARNING, "halo_client"),
-        halo_client.connect(f"zenoh://?connect={endpoint}&mode=client") as receiver,
+        halo_client.connect(f"zenoh://?connect={endpoint}") as receiver,
     ):
         assert receiver.poll(0.05) == []
         service = zenoh_service(endpoint, mode="router")
@@ -109,6 +109,53 @@ def test_a_configuration_file_is_the_start_and_settings_win_over_it(
     assert json.loads(config.get_json("scouting/multicast/enabled")) is multicast
     assert json.loads(config.get_json("transport/link/tls/root_ca_certificate")) == "ca.pem"
     assert json.loads(config.get_json("mode")) == "client"
+
+
+@pytest.mark.parametrize(
+    ("file", "url", "mode"),
+    [
+        ({}, "zenoh://", "client"),
+        ({}, "zenoh://?connect=tcp/10.0.0.1:7447", "client"),
+        ({}, "zenoh://?connect=tcp/10.0.0.1:7447&connect=tcp/10.0.0.2:7447", "peer"),
+        ({}, "zenoh://?connect=tcp/10.0.0.1:7447&listen=tcp/0.0.0.0:7447", "peer"),
+        ({}, "zenoh://?connect=tcp/10.0.0.1:7447&multicast=on", "peer"),
+        ({}, "zenoh://?connect=tcp/10.0.0.1:7447&mode=peer", "peer"),
+        ({"connect": {"endpoints": ["tls/10.0.0.1:7447"]}}, "zenoh://?config={file}", "client"),
+        ({"mode": "peer"}, "zenoh://?connect=tcp/10.0.0.1:7447&config={file}", "peer"),
+        ({"mode": "client"}, "zenoh://?multicast=on&config={file}", "client"),
+        ({"mode": "client"}, "zenoh://?mode=peer&config={file}", "peer"),
+    ],
+)
+def test_one_endpoint_makes_a_client_unless_the_user_names_a_mode(
+    file: dict[str, object], url: str, mode: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "zenoh.json5"
+    path.write_text(json.dumps(file))
+    source = parse_source(url.format(file=path))
+    assert isinstance(source, ZenohSource)
+    assert json.loads(zenoh_config(source).get_json("mode")) == mode
+
+
+def test_a_peer_behind_a_router_reaches_a_client_by_default(
+    zenoh_service: Callable[..., Any], free_tcp_port: int
+) -> None:
+    """Zenoh's routers pass nothing from one peer to another."""
+    endpoint = f"tcp/127.0.0.1:{free_tcp_port}"
+    zenoh_service(endpoint, mode="router")
+    service = zenoh_service("tcp/127.0.0.1:0", connect=endpoint)
+    with halo_client.connect(f"zenoh://?connect={endpoint}") as receiver:
+        until = time.monotonic() + 20.0
+        while not receiver.poll(0.05):
+            service.tap()
+            assert time.monotonic() < until
+
+
+def test_a_program_that_draws_does_not_wait_for_an_address(free_tcp_port: int) -> None:
+    with halo_client.connect(f"zenoh://?connect=tcp/127.0.0.1:{free_tcp_port}") as receiver:
+        until = time.monotonic() + 2.5  # longer than the time between two tries
+        while (now := time.monotonic()) < until:
+            receiver.poll(0.001)
+            assert time.monotonic() - now < 0.25
 
 
 @pytest.mark.parametrize("mode", ["peer", "client"])

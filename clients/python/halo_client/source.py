@@ -69,8 +69,9 @@ class ZenohSource:
     """Endpoints on which other peers may reach this one; none by default."""
     multicast: bool = False
     """Whether to find peers by multicast, which many networks block."""
-    mode: str = "peer"
-    """`peer` or `client`."""
+    mode: str = ""
+    """`peer` or `client`; empty: as in `config`, else `client` with one endpoint to connect to and
+    nothing else, as a router passes nothing from one peer to another."""
     config: str = ""
     """A Zenoh configuration file (JSON5) to start from, for TLS, access control and the like."""
     follow: Follow = FIRST
@@ -95,7 +96,7 @@ def parse_source(url: str) -> Source:
     All but files: `?node=...&surface=...` names the service to follow, else the first one is
     followed; `follow=all` reports every service. OSC: `hello=HOST:PORT` asks a service to send
     here, to a free port if the URL names none, and `rate=30` limits its frames per second. Zenoh:
-    `connect` and `listen` (any number of each), `multicast=on|off`, `mode=peer|client` and
+    `connect` and `listen` (any number of each), `multicast=on|off`, `mode=auto|peer|client` and
     `config=FILE`; without `connect`, and multicast off, the source is the service on this machine,
     or what the file names.
     """
@@ -165,13 +166,14 @@ def _zenoh(url: str, parts: SplitResult) -> ZenohSource:
     multicast = _one_of("zenoh", settings, "multicast", ("off", "on")) == "on"
     listen = tuple(settings.get("listen", ()))
     config = settings.get("config", [""])[-1]
+    mode = _one_of("zenoh", settings, "mode", ("auto", "peer", "client"))
     only_local = not multicast and not listen and not config
     default = (DEFAULT_ZENOH_ENDPOINT,) if only_local else ()
     return ZenohSource(
         connect=tuple(settings.get("connect", default)),
         listen=listen,
         multicast=multicast,
-        mode=_one_of("zenoh", settings, "mode", ("peer", "client")),
+        mode="" if mode == "auto" else mode,
         config=config,
         follow=_follow("zenoh", settings),
     )
@@ -202,5 +204,6 @@ def _one_of(scheme: str, settings: dict[str, list[str]], name: str, known: tuple
     """The value of a setting; default: the first known one."""
     word = settings.get(name, [known[0]])[-1]
     if word not in known:
-        raise ClientError(f"{scheme}: {name} is {' or '.join(known)}, not {word!r}")
+        choices = f"{', '.join(known[:-1])} or {known[-1]}"
+        raise ClientError(f"{scheme}: {name} is {choices}, not {word!r}")
     return word

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import json
 import logging
-import math
-import time
+import threading
 from contextlib import suppress
 from typing import Any, Self
 
@@ -31,54 +30,58 @@ _OTHERS = "halo/*/*/*/scene"
 class ZenohInput:
     """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open.
 
-    A session of mode `client` opens only while its router runs: it is opened again and again until
-    then, and this is logged once.
+    A session of mode `client` opens only while its router or service runs: a thread tries again
+    until then, so that `receive` never waits for an address, and this is logged once.
     """
 
     def __init__(self, source: ZenohSource) -> None:
         self._ring = Ring()
         self._source = source
         self._open: tuple[zenoh.Session, list[zenoh.Subscriber[None]]] | None = None
-        self._tried_s = -math.inf
+        self._closed = threading.Event()
+        self._opener: threading.Thread | None = None
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
-        _check(source)
+        mode = _checked_mode(source)
         try:
-            self._try()
+            self._open = self._opened()
         except zenoh.ZError as error:
-            if source.mode != "client":
+            if mode != "client":
                 raise ClientError(_cannot_open(source, error)) from error
             _LOG.warning("%s; trying again until it answers", _cannot_open(source, error))
+            self._opener = threading.Thread(target=self._try, name="halo zenoh", daemon=True)
+            self._opener.start()
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         """The next payload and its key, or None after the timeout."""
-        if self._open is None:
-            with suppress(zenoh.ZError):
-                self._try()
         return self._ring.get(timeout_s)
 
     def close(self) -> None:
         """Undeclare, then close: an open subscriber can block a closing session. May be called
         twice."""
+        self._closed.set()
+        if self._opener is not None:
+            self._opener.join()
         if self._open is not None:
             (session, subscribers), self._open = self._open, None
             for subscriber in subscribers:
                 subscriber.undeclare()
             session.close()
-        self._tried_s = math.inf
 
     def _try(self) -> None:
-        """Open the session, unless the last try was a moment ago. Raises `ZError`."""
-        if time.monotonic() - self._tried_s < _RETRY_S:
-            return
-        self._tried_s = time.monotonic()
+        """Open the session as soon as it can be."""
+        while self._open is None and not self._closed.wait(_RETRY_S):
+            with suppress(zenoh.ZError):
+                self._open = self._opened()
+
+    def _opened(self) -> tuple[zenoh.Session, list[zenoh.Subscriber[None]]]:
+        """Open a session and subscribe. Raises `ZError`."""
         session = zenoh.open(zenoh_config(self._source))
         follow = self._source.follow
         key = zenoh_key(follow.node, follow.surface, ANY)
-        subscribers = [
+        return session, [
             session.declare_subscriber(key, self._store),
             session.declare_subscriber(_OTHERS, self._store_foreign),
         ]
-        self._open = session, subscribers
 
     def _store(self, sample: zenoh.Sample) -> None:
         self._ring.put(sample.payload.to_bytes(), str(sample.key_expr))
@@ -98,7 +101,6 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
     """The Zenoh configuration of a source. `ZError` for a bad endpoint, or a file that cannot be
     read."""
     settings: dict[str, Any] = {
-        "mode": source.mode,
         "connect/endpoints": list(source.connect),
         "listen/endpoints": list(source.listen),
         "scouting/multicast/enabled": source.multicast,
@@ -116,13 +118,25 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
         # What the file sets is replaced by a setting of the user, and not by a default.
         if value or config.get_json(key) == zenoh.Config().get_json(key):
             config.insert_json5(key, json.dumps(value))
+    if source.mode or not json.loads(config.get_json("mode")):
+        config.insert_json5("mode", json.dumps(source.mode or _mode(config)))
     return config
 
 
-def _check(source: ZenohSource) -> None:
-    """Refuse what never opens, however often it is tried."""
+def _mode(config: zenoh.Config) -> str:
+    """A client can have one connection only. A peer hears nothing of other peers of its router."""
+    connect, listen, multicast = (
+        json.loads(config.get_json(key))
+        for key in ("connect/endpoints", "listen/endpoints", "scouting/multicast/enabled")
+    )
+    one = isinstance(connect, list) and len(connect) == 1
+    return "client" if one and not listen and not multicast else "peer"
+
+
+def _checked_mode(source: ZenohSource) -> str:
+    """Return the mode of its session; refuse what never opens, however often it is tried."""
     try:
-        zenoh_config(source)
+        return str(json.loads(zenoh_config(source).get_json("mode")))
     except zenoh.ZError as error:
         raise ClientError(
             f"cannot use Zenoh with {_named(source)} ({_reason(error)}); write endpoints as "

@@ -37,14 +37,15 @@ const ROWS = Object.fromEntries(
     up: "id:i slot:i u:f v:f ago_ms:f contacts:i",
     scene:
       "node:s session:s version:s width_mm:f height_mm:f calibration:i revision:i source:i " +
-      "rate_hz:f control_port:i collision:i calibrated_s:i",
+      "rate_hz:f control_port:i collision:i calibrated_s:i service_version:s " +
+      "zenoh_version:s",
     homography: "node:s session:s revision:i width_px:i height_px:i projector_from_surface:f9",
     pose:
       "node:s session:s revision:i camera_from_surface:f12 anchor_from_surface:f12 anchored:i",
     health:
       "node:s session:s fps:f latency_ms:f drops:i bad_frames:i tracker:i camera:i tracker_ms:f " +
       "clock_jumps:i clock_error_ms:f profile_fit:i zenoh_missing:i write_errors:i " +
-      "memory_mb:i load:i looks_hz:f",
+      "memory_mb:i load:i looks_hz:f time_s:i time_frac_us:i",
   }).map(([kind, text]) => [kind, text.split(" ").map(field)]),
 );
 
@@ -196,11 +197,15 @@ function checkSender({ node, session }) {
   require(/^[g-z][a-z0-9_-]{0,31}$/.test(session), "session must start with g to z");
 }
 
+function checkTime(message) {
+  checkRange(message, "time_s", 0, 2 ** 31 - 1);
+  checkRange(message, "time_frac_us", 0, 999999);
+}
+
 function checkFrame(message) {
   checkSender(message);
   checkRange(message, "frame", 0, MODULUS - 1);
-  checkRange(message, "time_s", 0, 2 ** 31 - 1);
-  checkRange(message, "time_frac_us", 0, 999999);
+  checkTime(message);
   checkRange(message, "session_ms", 0, MODULUS - 1);
   checkRange(message, "count", 0, MAX_POINTERS);
 }
@@ -220,7 +225,15 @@ function checkScene(message) {
   checkRange(message, "collision", 0, 1);
   checkRange(message, "control_port", 0, 65535);
   checkRange(message, "calibrated_s", 0, Infinity);
+  for (const name of ["service_version", "zenoh_version"]) {
+    require(/^[0-9A-Za-z.+_-]{0,32}$/.test(message[name]), `${name} must be a version`);
+  }
   require(message.width_mm > 0 && message.height_mm > 0, "the size of a surface must be positive");
+}
+
+function checkHealth(message) {
+  checkSender(message);
+  checkTime(message);
 }
 
 function checkHomography(message) {
@@ -242,5 +255,5 @@ const CHECKS = {
   scene: checkScene,
   homography: checkHomography,
   pose: checkPose,
-  health: checkSender,
+  health: checkHealth,
 };

@@ -23,7 +23,7 @@ from halo_protocol.messages import (
     Up,
 )
 from halo_protocol.names import check_name, check_session
-from halo_protocol.version import parse_version
+from halo_protocol.version import check_program_version, parse_version
 
 MAX_POINTERS = 64
 """Fingers of six people; the alive list still leaves room in each datagram."""
@@ -41,12 +41,16 @@ def _sender(message: Frame | Scene | Homography | Pose | Health) -> None:
     check_session(message.session)
 
 
-def _frame(message: Frame) -> None:
-    _sender(message)
-    _require(0 <= message.frame < MODULUS, f"frame must be 0 to 2^24 - 1, not {message.frame}")
+def _time(message: Frame | Health) -> None:
     _require(message.time_s >= 0, f"time_s must not be negative: {message.time_s}")
     fraction = message.time_frac_us
     _require(0 <= fraction < 1_000_000, f"time_frac_us must be 0 to 999999, not {fraction}")
+
+
+def _frame(message: Frame) -> None:
+    _sender(message)
+    _require(0 <= message.frame < MODULUS, f"frame must be 0 to 2^24 - 1, not {message.frame}")
+    _time(message)
     ms = message.session_ms
     _require(0 <= ms < MODULUS, f"session_ms must be 0 to 2^24 - 1, not {ms}")
     count = message.count
@@ -78,10 +82,17 @@ def _scene(message: Scene) -> None:
     _require(0 <= port < 2**16, f"control_port must be 0 to 65535, not {port}")
     calibrated_s = message.calibrated_s
     _require(calibrated_s >= 0, f"calibrated_s must be 0 or more, not {calibrated_s}")
+    check_program_version(message.service_version, "service_version")
+    check_program_version(message.zenoh_version, "zenoh_version")
     _require(
         message.width_mm > 0 and message.height_mm > 0,
         f"the size of a surface must be positive, not {size}",
     )
+
+
+def _health(message: Health) -> None:
+    _sender(message)
+    _time(message)
 
 
 def _homography(message: Homography) -> None:
@@ -107,6 +118,6 @@ CHECKS: dict[Any, Callable[[Any], None]] = {
     Scene: _scene,
     Homography: _homography,
     Pose: _pose,
-    Health: _sender,
+    Health: _health,
 }
 """Message class -> check that raises `ProtocolError` for an invalid message."""

@@ -246,6 +246,10 @@ class Scene:
     """1 if another service with the same node name was found, else 0."""
     calibrated_s: int = 0
     """Unix time of the newest step of the calibration; 0 if unknown."""
+    service_version: str = ""
+    """Version of the program that sends, `[0-9A-Za-z.+_-]{0,32}`; empty if unknown."""
+    zenoh_version: str = ""
+    """Version of its Zenoh, in the same form; empty without Zenoh."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -322,6 +326,10 @@ class Health:
     """How much work is left out because the machine is busy: a `Load`."""
     looks_hz: float = -1.0
     """Images per second at which the hand model looked; -1 if unknown."""
+    time_s: int = 0
+    """When it was sent, by the clock of the frames' time; 0 if unknown."""
+    time_frac_us: int = 0
+    """Microseconds within the second, 0 to 999999."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

@@ -31,7 +31,8 @@ UP = "id:i slot:i u:f v:f ago_ms:f contacts:i"  # append; never reorder
 SCENE = (
     "node:s session:s version:s width_mm:f height_mm:f "
     "calibration:i revision:i source:i rate_hz:f "
-    "control_port:i collision:i calibrated_s:i"  # append; never reorder
+    "control_port:i collision:i calibrated_s:i "
+    "service_version:s zenoh_version:s"  # append; never reorder
 )
 HOMOGRAPHY = (
     "node:s session:s revision:i width_px:i height_px:i "
@@ -45,7 +46,7 @@ HEALTH = (
     "node:s session:s fps:f latency_ms:f drops:i bad_frames:i "
     "tracker:i camera:i tracker_ms:f clock_jumps:i clock_error_ms:f "
     "profile_fit:i zenoh_missing:i write_errors:i memory_mb:i "
-    "load:i looks_hz:f"  # append; never reorder
+    "load:i looks_hz:f time_s:i time_frac_us:i"  # append; never reorder
 )
 
 

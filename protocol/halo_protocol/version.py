@@ -17,6 +17,7 @@ RELEASED: tuple[str, ...] = ()
 
 Verdict = Literal["accepted", "warned", "refused"]
 
+_PROGRAM_VERSION = re.compile(r"[0-9A-Za-z.+_-]{0,32}", re.ASCII)
 _VERSION = re.compile(r"(\d{1,4})\.(\d{1,4})\.(\d{1,4})", re.ASCII)
 
 
@@ -27,6 +28,13 @@ def parse_version(text: str) -> tuple[int, int, int]:
         raise ProtocolError(f"version must be major.minor.patch, not {text[:40]!r}")
     major, minor, patch = match.groups()
     return int(major), int(minor), int(patch)
+
+
+def check_program_version(text: str, what: str) -> str:
+    """Return the version of a program, which has no control characters; else `ProtocolError`."""
+    if _PROGRAM_VERSION.fullmatch(text) is None:
+        raise ProtocolError(f"{what} must match [0-9A-Za-z.+_-]{{0,32}}, not {text[:40]!r}")
+    return text
 
 
 def verdict(service: str, client: str) -> Verdict:

@@ -107,5 +107,10 @@ MALFORMED = [
             _SCENE.replace(floats(300.0, 200.0), floats(300.0, 0.0)),
         ),
         ("scene-version", "major.minor.patch.", _SCENE.replace(b"1.0.0\0", b"1.0-b\0")),
+        (
+            "scene-zenoh-version",
+            "It is shown in terminals.",
+            _SCENE.replace(b"1.9.0\0", b"1.9\n0\0"),
+        ),
     ]
 ]

@@ -99,7 +99,9 @@ FRAMES = [
     ),
 ]
 
-SCENE = Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0, 4257, 0, UNIX_S - 86_400)
+SCENE = Scene(
+    "desk", "s1", "1.0.0", 300.0, 200.0, 2, 3, 0, 30.0, 4257, 0, UNIX_S - 86_400, "0.1.0", "1.9.0"
+)
 _MATRIX_3X3 = (6.5, 0.125, -40.0, -0.0625, 6.25, 12.5, 0.0009765625, -0.00048828125, 1.0)
 _MATRIX_3X4 = (1.0, 0.0, 0.0, -150.0, 0.0, 0.75, -0.5, -100.0, 0.0, 0.5, 0.75, 520.0)
 
@@ -127,7 +129,15 @@ REPORTS = [
         "The camera alone is known: `anchored` is 0.",
         Pose("desk", "s1", 3, _MATRIX_3X4, (0.0,) * 12, 0),
     ),
-    ReportCase("health", "All is well.", Health("desk", "s1", 29.75, 3.5, 2, 1, 3, 1, 33.25)),
+    ReportCase(
+        "health",
+        "All is well.",
+        replace(
+            Health("desk", "s1", 29.75, 3.5, 2, 1, 3, 1, 33.25),
+            time_s=UNIX_S,
+            time_frac_us=250_000,
+        ),
+    ),
     ReportCase(
         "health-clock-set",
         "The host's clock was set back by 30 s; the time in frames follows slowly.",

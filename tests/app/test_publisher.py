@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -59,6 +61,16 @@ def test_nothing_is_said_of_what_is_not_known(profile: Profile, camera) -> None:
     assert set(heard) == {"scene", "pose"}
     assert heard["pose"].anchored == 0
     assert heard["pose"].anchor_from_surface == (0.0,) * 12
+
+
+def test_the_scene_names_the_versions_of_service_and_zenoh(camera) -> None:
+    heard = Heard()
+    publisher = Publisher(
+        FrameEncoder("desk", "s1", 0), [heard], "virtual", camera, "table", zenoh_version="1.2.3"
+    )
+    publisher.scene(start(None, SensingSettings()))
+    scene = heard.messages["scene"]
+    assert (scene.service_version, scene.zenoh_version) == (version("halo-service"), "1.2.3")
 
 
 @pytest.mark.parametrize(
@@ -129,6 +141,7 @@ def test_health_reports_what_is_wrong_around_the_sensing(camera) -> None:
     health = heard.messages["health"]
     assert (health.load, health.looks_hz) == (wire.Load.LEAST, 4.5)
     assert (health.zenoh_missing, health.write_errors, health.memory_mb) == (1, 2, 412)
+    assert health.time_s + health.time_frac_us / 1e6 == pytest.approx(time.time(), abs=60.0)
 
 
 def test_health_reads_the_hosts_clock_also_where_no_source_does(

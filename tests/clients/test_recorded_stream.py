@@ -83,7 +83,7 @@ def test_what_the_monitor_writes_is_read_back(tmp_path: Path) -> None:
         "kind": "scene", "surface": "table", "node": "replay", "session": "s1",
         "version": "1.0.0", "width_mm": 300.0, "height_mm": 200.0, "calibration": "complete",
         "revision": 0, "source": "virtual", "rate_hz": 30.0, "control_port": 4257, "collision": 0,
-        "calibrated_s": 0,
+        "calibrated_s": 0, "service_version": "", "zenoh_version": "",
     }  # fmt: skip
     with halo_client.connect(FileSource(written(tmp_path, [scene, *TAP]), False)) as receiver:
         events = [event for _ in range(5) for event in receiver.poll(0.0)]

@@ -65,6 +65,9 @@ UNSENDABLE = [
     ("a calibration before time", SCENE, {"calibrated_s": -1}),
     ("a control port that does not exist", SCENE, {"control_port": 65_536}),
     ("a million microseconds", HEADER, {"time_frac_us": 1_000_000}),
+    ("a million microseconds in health", HEALTH, {"time_frac_us": 1_000_000}),
+    ("a version with a control character", SCENE, {"service_version": "1.0\x1b[2J"}),
+    ("a version of 33 characters", SCENE, {"zenoh_version": "1" * 33}),
 ]
 
 

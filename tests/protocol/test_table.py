@@ -26,12 +26,12 @@ RELEASED = {
     "down": "id slot u v strike_mm_s ago_ms contacts",
     "up": "id slot u v ago_ms contacts",
     "scene": "node session version width_mm height_mm calibration revision source rate_hz "
-    "control_port collision calibrated_s",
+    "control_port collision calibrated_s service_version zenoh_version",
     "homography": "node session revision width_px height_px projector_from_surface",
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
     "clock_jumps clock_error_ms profile_fit zenoh_missing write_errors memory_mb "
-    "load looks_hz",
+    "load looks_hz time_s time_frac_us",
 }
 RELEASED_TAGS = {
     "frame": "ssiiiii",
@@ -39,10 +39,10 @@ RELEASED_TAGS = {
     "alive": "",
     "down": "iiffffi",
     "up": "iifffi",
-    "scene": "sssffiiifiii",
+    "scene": "sssffiiifiiiss",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
-    "health": "ssffiiiififiiiiif",
+    "health": "ssffiiiififiiiiifii",
 }
 
 rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)

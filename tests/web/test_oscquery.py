@@ -87,7 +87,7 @@ EXPECTED: list[tuple[str, dict[str, Any]]] = [
     ),
     ("/halo/1/table/slot/9/hover", {"TYPE": "f", "ACCESS": 1, "VALUE": [-1.0]}),
     ("/halo/1/table/count", {"TYPE": "i", "ACCESS": 1, "VALUE": [1]}),
-    ("/halo/1/table/scene", {"TYPE": "sssffiiifiii", "ACCESS": 1}),
+    ("/halo/1/table/scene", {"TYPE": "sssffiiifiiiss", "ACCESS": 1}),
     ("/halo/1/table/frame", {"TYPE": "ssiiiii", "ACCESS": 1}),
     ("/halo/1/table/alive", {"TYPE": "i", "VALUE": [7], "RANGE": [{"MIN": 0, "MAX": 2**31 - 1}]}),
     ("/halo/1/table/pointer", {"TYPE": "iiiiifffffffffif", "ACCESS": 1, "VALUE": None}),

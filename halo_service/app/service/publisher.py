@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import halo_protocol as wire
 from halo_service.app.service.fit_watcher import Fit
+from halo_service.app.versions import service_version
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
@@ -50,11 +51,13 @@ class Publisher:
         fit: Callable[[], Fit] = lambda: "unknown",
         write_errors: Callable[[], int] = lambda: 0,
         zenoh_missing: Callable[[], int] = lambda: 0,
+        zenoh_version: str = "",
     ) -> None:
         """`surface`: its name, in every address; `kind`: where the frames come from;
         `control_port`: 0 if there is none; `names`: notices other services of the same name;
         `fit`: whether the profile fits; `write_errors`: profiles that could not be saved;
-        `zenoh_missing`: routers and peers without a connection."""
+        `zenoh_missing`: routers and peers without a connection; `zenoh_version`: empty without
+        Zenoh."""
         self._frames = frames
         self._carriers = carriers
         self.kind: SourceKind = kind
@@ -66,6 +69,7 @@ class Publisher:
         self._fit = fit
         self._write_errors = write_errors
         self._zenoh_missing = zenoh_missing
+        self._zenoh_version = zenoh_version
         self._errors = ErrorLog()
 
     def frame(self, frame: TouchFrame) -> None:
@@ -94,6 +98,8 @@ class Publisher:
             self._control_port,
             collision=int(self._names is not None and self._names.collision(time.monotonic())),
             calibrated_s=_unix_s(profile.changed) if profile else 0,
+            service_version=service_version(),
+            zenoh_version=self._zenoh_version,
         )
         self._send(OutgoingReport(self._surface, scene))
         if profile is not None:  # after the scene: they refer to its revision
@@ -123,6 +129,7 @@ class Publisher:
             current.memory_mb,
             wire.Load[current.load.upper()],
             current.looks_hz,
+            *divmod(CLOCK.unix_us(), 1_000_000),
         )
         self._send(OutgoingReport(self._surface, health))
 

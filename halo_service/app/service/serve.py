@@ -21,6 +21,7 @@ from halo_service.app.service.profile_reloader import ProfileReloader
 from halo_service.app.service.publisher import Publisher
 from halo_service.app.service.systemd import Notifier
 from halo_service.app.sources import open_source
+from halo_service.app.versions import zenoh_version
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
@@ -97,6 +98,7 @@ def serve(
             lambda: fit.fit,
             lambda: reloader.write_errors,
             lambda: sum(each.missing for each in zenoh),
+            zenoh_version() if zenoh else "",
         )
         tracker = _tracker(source, reloader, settings)
         if tracker is not None:

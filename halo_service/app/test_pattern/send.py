@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import halo_protocol as wire
 from halo_service.app.process import stop_on_signals
@@ -19,6 +19,7 @@ from halo_service.app.service.carriers import (
     web_server,
     zenoh_output,
 )
+from halo_service.app.versions import service_version, zenoh_version
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
@@ -31,6 +32,9 @@ from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.outputs.test_pattern import Pattern
 from halo_service.settings import Settings
 from halo_service.values import TouchFrame
+
+if TYPE_CHECKING:
+    from halo_service.outputs.zenoh import ZenohOutput
 
 log = logging.getLogger(__name__)
 
@@ -60,8 +64,10 @@ def send_pattern(settings: Settings, only: Sequence[Destination], seconds: float
         to = list(only) or destinations(settings)
         osc = stack.enter_context(closing(OscOutput(to)))
         carriers: list[Carrier] = [osc]
+        zenoh: list[ZenohOutput] = []
         if not only:
-            carriers += zenoh_output(settings, names, Pattern().surface, stack)
+            zenoh = zenoh_output(settings, names, Pattern().surface, stack)
+            carriers += zenoh
             web = web_server(settings, names, control, stack)
             carriers += [web] if web else []
             log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
@@ -71,7 +77,9 @@ def send_pattern(settings: Settings, only: Sequence[Destination], seconds: float
         frames = FrameEncoder(
             settings.node, session, wire.first_frame(CLOCK.unix_us()), settings.osc.max_bytes
         )
-        sender = PatternSender(Pattern(), frames, carriers, control.port)
+        sender = PatternSender(
+            Pattern(), frames, carriers, control.port, zenoh_version() if zenoh else ""
+        )
         until_s = time.monotonic() + seconds if seconds is not None else None
         while not stopped.wait(1.0 / RATE_HZ):
             osc.set_leased(answer_hellos(control, leases))
@@ -97,10 +105,12 @@ class PatternSender:
         frames: FrameEncoder,
         carriers: Sequence[Carrier],
         control_port: int = 0,
+        zenoh_version: str = "",
     ) -> None:
-        """`control_port`: 0 if there is none."""
+        """`control_port`: 0 if there is none; `zenoh_version`: empty without Zenoh."""
         self._pattern, self._frames, self._carriers = pattern, frames, carriers
         self._control_port = control_port
+        self._zenoh_version = zenoh_version
         self._began_s: float | None = None
         self._due = _Due()
 
@@ -147,9 +157,12 @@ class PatternSender:
             wire.Source.VIRTUAL,
             RATE_HZ,
             self._control_port,
+            service_version=service_version(),
+            zenoh_version=self._zenoh_version,
         )
 
     def _health(self) -> wire.Health:
+        time_s, time_frac_us = divmod(CLOCK.unix_us(), 1_000_000)
         return wire.Health(
             self._frames.node,
             self._frames.session,
@@ -160,4 +173,6 @@ class PatternSender:
             wire.Tracker.OFF,
             wire.Camera.RUNNING,
             -1.0,
+            time_s=time_s,
+            time_frac_us=time_frac_us,
         )

@@ -59,7 +59,8 @@ static class View
         Text("version", scene.Version) + Field("width_mm", scene.WidthMm) + Field("height_mm", scene.HeightMm) +
         Word("calibration", scene.Calibration) + Field("revision", scene.Revision) + Word("source", scene.Source) +
         Field("rate_hz", scene.RateHz) + Field("control_port", scene.ControlPort) +
-        Field("collision", scene.Collision ? 1 : 0) + Field("calibrated_s", scene.CalibratedS);
+        Field("collision", scene.Collision ? 1 : 0) + Field("calibrated_s", scene.CalibratedS) +
+        Text("service_version", scene.ServiceVersion) + Text("zenoh_version", scene.ZenohVersion);
 
     static string Homography(HaloHomography found) =>
         Field("revision", found.Revision) + Field("width_px", found.WidthPx) + Field("height_px", found.HeightPx) +
@@ -87,7 +88,8 @@ static class View
         Field("tracker_ms", health.TrackerMs) + Field("clock_jumps", health.ClockJumps) +
         Field("clock_error_ms", health.ClockErrorMs) + Word("profile_fit", health.ProfileFit) +
         Field("zenoh_missing", health.ZenohMissing) + Field("write_errors", health.WriteErrors) +
-        Field("memory_mb", health.MemoryMb) + Word("load", health.Load) + Field("looks_hz", health.LooksHz);
+        Field("memory_mb", health.MemoryMb) + Word("load", health.Load) + Field("looks_hz", health.LooksHz) +
+        Field("time_s", health.TimeS) + Field("time_frac_us", health.TimeFracUs);
 
     static string Pointers(Growing<HaloPointer> pointers)
     {

@@ -74,14 +74,15 @@ namespace HaloTouch.Internal
 
         static void WriteScene(JsonFields line, OscWriter into)
         {
-            into.Element(Address(line, "scene"), ",sssffiiifiii");
+            into.Element(Address(line, "scene"), ",sssffiiifiiiss");
             Sender(line, into).Text(line.Text("version"));
             Floats(line, into, "width_mm", "height_mm");
             into.Int(line.Word<HaloCalibration>("calibration")).Int(line.Int("revision"));
             into.Int(line.Word<HaloSource>("source"));
             Floats(line, into, "rate_hz");
             into.Int(line.Int("control_port")).Int(line.Int("collision"));
-            into.Int(line.Int("calibrated_s")).EndElement();
+            into.Int(line.Int("calibrated_s")).Text(line.Text("service_version"));
+            into.Text(line.Text("zenoh_version")).EndElement();
         }
 
         static void WriteHomography(JsonFields line, OscWriter into)
@@ -104,7 +105,7 @@ namespace HaloTouch.Internal
 
         static void WriteHealth(JsonFields line, OscWriter into)
         {
-            into.Element(Address(line, "health"), ",ssffiiiififiiiiif");
+            into.Element(Address(line, "health"), ",ssffiiiififiiiiifii");
             Sender(line, into);
             Floats(line, into, "fps", "latency_ms");
             into.Int(line.Int("drops")).Int(line.Int("bad_frames"));
@@ -116,7 +117,7 @@ namespace HaloTouch.Internal
             into.Int(line.Int("write_errors")).Int(line.Int("memory_mb"));
             into.Int(line.Word<HaloLoad>("load"));
             Floats(line, into, "looks_hz");
-            into.EndElement();
+            into.Int(line.Int("time_s")).Int(line.Int("time_frac_us")).EndElement();
         }
 
         static void Floats(JsonFields fields, OscWriter into, params string[] names)

@@ -54,11 +54,17 @@ namespace HaloTouch
         /// <summary>Images per second at which the hand model looked; -1 if unknown.</summary>
         public float LooksHz { get; }
 
+        /// <summary>When it was sent, Unix time in whole seconds; 0 if unknown.</summary>
+        public int TimeS { get; }
+
+        /// <summary>Microseconds within the second.</summary>
+        public int TimeFracUs { get; }
+
         internal HaloHealth(
             string node, string session, float fps, float latencyMs, int drops, int badFrames,
             HaloTracker tracker, HaloCamera camera, float trackerMs, int clockJumps,
             float clockErrorMs, HaloProfileFit profileFit, int zenohMissing, int writeErrors,
-            int memoryMb, HaloLoad load, float looksHz)
+            int memoryMb, HaloLoad load, float looksHz, int timeS, int timeFracUs)
         {
             Node = node;
             Session = session;
@@ -77,6 +83,8 @@ namespace HaloTouch
             MemoryMb = memoryMb;
             Load = load;
             LooksHz = looksHz;
+            TimeS = timeS;
+            TimeFracUs = timeFracUs;
         }
     }
 }

@@ -39,10 +39,17 @@ namespace HaloTouch
         /// <summary>Unix time of the newest step of the calibration, s; 0 if unknown.</summary>
         public int CalibratedS { get; }
 
+        /// <summary>Version of the program that sends; empty if unknown.</summary>
+        public string ServiceVersion { get; }
+
+        /// <summary>Version of its Zenoh; empty without Zenoh.</summary>
+        public string ZenohVersion { get; }
+
         internal HaloScene(
             string node, string session, string version, float widthMm, float heightMm,
             HaloCalibration calibration, int revision, HaloSource source, float rateHz,
-            int controlPort, bool collision, int calibratedS)
+            int controlPort, bool collision, int calibratedS, string serviceVersion,
+            string zenohVersion)
         {
             Node = node;
             Session = session;
@@ -56,6 +63,8 @@ namespace HaloTouch
             ControlPort = controlPort;
             Collision = collision;
             CalibratedS = calibratedS;
+            ServiceVersion = serviceVersion;
+            ZenohVersion = zenohVersion;
         }
     }
 }

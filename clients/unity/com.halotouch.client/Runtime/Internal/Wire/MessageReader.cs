@@ -51,6 +51,13 @@ namespace HaloTouch.Internal
         static void RequireEnd(ref OscReader reader, int further) =>
             reader.Require(further > 0 || reader.Left == 0, "a message has bytes too many");
 
+        static void RequireTime(ref OscReader reader, int timeS, int timeFracUs)
+        {
+            reader.Require(timeS >= 0, "time_s is negative");
+            reader.Require(
+                timeFracUs >= 0 && timeFracUs < 1000000, "time_frac_us is out of range");
+        }
+
         void ReadFrame(ref OscReader reader, string surface, Datagram into)
         {
             var further = reader.Tags(",ssiiiii");
@@ -59,10 +66,7 @@ namespace HaloTouch.Internal
                 reader.Int(), reader.Int(), reader.Int(), reader.Int(), reader.Int());
             RequireEnd(ref reader, further);
             reader.Require(header.Frame >= 0 && header.Frame < Modulus, "frame is out of range");
-            reader.Require(header.TimeS >= 0, "time_s is negative");
-            reader.Require(
-                header.TimeFracUs >= 0 && header.TimeFracUs < 1000000,
-                "time_frac_us is out of range");
+            RequireTime(ref reader, header.TimeS, header.TimeFracUs);
             reader.Require(
                 header.SessionMs >= 0 && header.SessionMs < Modulus, "session_ms is out of range");
             reader.Require(header.Count >= 0 && header.Count <= MaxPointers, "count is out of range");
@@ -130,7 +134,7 @@ namespace HaloTouch.Internal
 
         void ReadScene(ref OscReader reader, string surface, Datagram into)
         {
-            var further = reader.Tags(",sssffiiifiii");
+            var further = reader.Tags(",sssffiiifiiiss");
             var node = reader.Name(_names, NameKind.Node);
             var session = reader.Name(_names, NameKind.Session);
             var version = reader.Name(_names, NameKind.Version);
@@ -142,6 +146,8 @@ namespace HaloTouch.Internal
             var port = reader.Int();
             var collision = reader.Int();
             var calibratedS = reader.Int();
+            var serviceVersion = reader.Name(_names, NameKind.Program);
+            var zenohVersion = reader.Name(_names, NameKind.Program);
             RequireEnd(ref reader, further);
             reader.Require(widthMm > 0 && heightMm > 0, "the size of a surface must be positive");
             reader.Require(port >= 0 && port < 65536, "control_port is out of range");
@@ -150,7 +156,7 @@ namespace HaloTouch.Internal
             if (reader.Error == null)
                 into.AddReport(ItemKind.Scene, surface).Scene = new HaloScene(
                     node, session, version, widthMm, heightMm, calibration, revision, source, rateHz,
-                    port, collision == 1, calibratedS);
+                    port, collision == 1, calibratedS, serviceVersion, zenohVersion);
         }
 
         void ReadHomography(ref OscReader reader, string surface, Datagram into)
@@ -195,14 +201,15 @@ namespace HaloTouch.Internal
 
         void ReadHealth(ref OscReader reader, string surface, Datagram into)
         {
-            var further = reader.Tags(",ssffiiiififiiiiif");
+            var further = reader.Tags(",ssffiiiififiiiiifii");
             var found = new HaloHealth(
                 reader.Name(_names, NameKind.Node), reader.Name(_names, NameKind.Session),
                 reader.Float(), reader.Float(), reader.Int(), reader.Int(),
                 (HaloTracker)reader.Int(), (HaloCamera)reader.Int(), reader.Float(), reader.Int(),
                 reader.Float(), (HaloProfileFit)reader.Int(), reader.Int(), reader.Int(), reader.Int(),
-                (HaloLoad)reader.Int(), reader.Float());
+                (HaloLoad)reader.Int(), reader.Float(), reader.Int(), reader.Int());
             RequireEnd(ref reader, further);
+            RequireTime(ref reader, found.TimeS, found.TimeFracUs);
             if (reader.Error == null) into.AddReport(ItemKind.Health, surface).Health = found;
         }
     }

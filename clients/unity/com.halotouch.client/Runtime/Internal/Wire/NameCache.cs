@@ -1,6 +1,6 @@
 namespace HaloTouch.Internal
 {
-    enum NameKind { Node, Session, Version }
+    enum NameKind { Node, Session, Version, Program }
 
     // Names of nodes, surfaces, sessions and versions as strings, each created once. Bounded: forged
     // names replace the oldest.
@@ -32,6 +32,7 @@ namespace HaloTouch.Internal
         static bool IsValid(byte[] bytes, int start, int stop, NameKind kind)
         {
             if (kind == NameKind.Version) return IsVersion(bytes, start, stop);
+            if (kind == NameKind.Program) return IsProgram(bytes, start, stop);
             if (stop - start < 1 || stop - start > 32) return false;
             for (var i = start; i < stop; i++)
                 if (!IsNameByte(bytes[i])) return false;
@@ -43,6 +44,19 @@ namespace HaloTouch.Internal
             one >= 'a' && one <= 'z' || IsDigit(one) || one == '_' || one == '-';
 
         static bool IsDigit(byte one) => one >= '0' && one <= '9';
+
+        // The version of a program, or nothing.
+        static bool IsProgram(byte[] bytes, int start, int stop)
+        {
+            if (stop - start > 32) return false;
+            for (var i = start; i < stop; i++)
+            {
+                var one = bytes[i];
+                var isFurther = one >= 'A' && one <= 'Z' || one == '.' || one == '+';
+                if (!isFurther && !IsNameByte(one)) return false;
+            }
+            return true;
+        }
 
         // Three numbers of 1 to 4 digits, with dots between them.
         static bool IsVersion(byte[] bytes, int start, int stop)

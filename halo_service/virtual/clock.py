@@ -1,12 +1,13 @@
 """The device's clock and pace: when a frame is exposed, and what its timestamp says.
 
-Rule: pure; host time is seconds from the first frame.
+Rule: pure; host time is seconds from the first frame. In an installation all cameras share it, and
+each begins a little later.
 """
 
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,17 +29,19 @@ class Clock:
     fps: float
     """Frames a second of host time."""
     start_us: int = START_US
-    """Timestamp of the first frame."""
+    """Timestamp at host time 0."""
     drift_ppm: float = 0.0
     """How much faster it runs than the host's."""
     slow_s: float = 0.0
     """For so long in each minute only every other frame arrives."""
     slow_from_s: float = 0.0
     """Where in a minute that begins."""
+    first_s: float = 0.0
+    """Host time of the first frame."""
 
     def exposed_s(self, index: int) -> float:
         """Host time at which a frame is due."""
-        return index / self.fps
+        return self.first_s + index / self.fps
 
     def device_us(self, host_s: float) -> int:
         """The timestamp of a moment of host time."""
@@ -49,7 +52,7 @@ class Clock:
         return (device_us - self.start_us) / (1e6 + self.drift_ppm)
 
     def frame_s(self, host_s: float) -> float:
-        """Seconds since the first frame, by the timestamps."""
+        """Seconds since host time 0, by the timestamps."""
         return host_s * (1.0 + self.drift_ppm / 1e6)
 
     def skips(self, index: int) -> bool:
@@ -59,8 +62,44 @@ class Clock:
         return (self.exposed_s(index) - self.slow_from_s) % MINUTE_S < self.slow_s
 
 
+APART_US, APART_PPM = 5e6, 30.0
+"""Between the clocks of an installation: at most so long from one start to another, and so much
+drift to either side of the model's; chosen."""
+
+
+def clocks_of(room: Room, scenario: str) -> dict[int, Clock]:
+    """The clocks of all cameras of the room's installation, by their numbers."""
+    first = _one_clock(room, scenario)
+    if room.installation.alone:
+        return {1: first}
+    return {number: _joined(first, room, number) for number in room.installation.numbers}
+
+
 def clock_of(room: Room, scenario: str) -> Clock:
     """The clock of the room's device in one scenario: each start draws another."""
+    return clocks_of(room, scenario)[room.installation.camera]
+
+
+def _joined(first: Clock, room: Room, number: int) -> Clock:
+    """One camera's clock of several: wired cameras share the pace, others have their own."""
+    rng = np.random.default_rng([room.seed, zlib.crc32(b"joined"), number])
+    start_us = first.start_us + round(rng.uniform(0.0, APART_US) / 1e3) * 1000
+    ppm = float(rng.uniform(-APART_PPM, APART_PPM))
+    fps, first_s = first.fps, 1e-6 * (number - 1) * room.installation.delay_us
+    if room.installation.sync == "none":
+        fps *= 1.0 + 1e-6 * ppm
+        first_s = float(rng.uniform(0.0, 1.0 / fps))
+    return replace(
+        first,
+        fps=fps,
+        start_us=start_us,
+        drift_ppm=first.drift_ppm + ppm,
+        slow_from_s=float(rng.uniform(0.0, MINUTE_S)),
+        first_s=first_s,
+    )
+
+
+def _one_clock(room: Room, scenario: str) -> Clock:
     rng = np.random.default_rng([room.seed, zlib.crc32(b"clock"), zlib.crc32(scenario.encode())])
     fps = float(rng.uniform(*DEVICES[room.device].fps))
     start_s = rng.uniform(*(UNIX_S if rng.random() < 0.5 else UPTIME_S))

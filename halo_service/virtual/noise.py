@@ -80,7 +80,7 @@ class Electronics:
         self._times, self._model = np.float32(room.noise), model
         shape = lens.height, lens.width
         size = shape[0] + _SPARE, shape[1] + _SPARE
-        rng = np.random.default_rng([room.seed, 1])
+        rng = np.random.default_rng([*room.noise_seed, 1])
         # The colour image draws from it too, and is larger.
         white = rng.standard_normal((_COLOUR_ROWS + _SPARE, _COLOUR_COLUMNS + _SPARE), np.float32)
         self._white = Pool(white, shape)
@@ -96,7 +96,7 @@ class Electronics:
         self._slow = Pool(_waves(rng, size), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
         self._too_dark = Pool(np.ceil(_in_steps(dark)).astype(np.uint16), shape)
-        self._pattern = _fixed_pattern(lens)
+        self._pattern = _fixed_pattern(lens, room.installation.camera - 1)
         self._seen = _most_counts(_flicker(lens, MODES[camera.depth_mode].field, model), model)
         self._holes = room.surface_material.holes
         self.furnish(empty)
@@ -227,9 +227,9 @@ def _waves(rng: np.random.Generator, shape: tuple[int, int]) -> Image:
     return np.asarray(smooth / smooth.std(), dtype=np.float32)
 
 
-def _fixed_pattern(lens: Lens) -> Image:
-    """The device is the same over all seeds: so is its fixed pattern."""
-    device = np.random.default_rng(0)
+def _fixed_pattern(lens: Lens, number: int) -> Image:
+    """A device is the same over all seeds: so is its fixed pattern. `number`: from 0."""
+    device = np.random.default_rng(number)
     coarse = device.normal(0.0, WAVE_MM, (5, 6)).astype(np.float32)
     wave = cv2.resize(coarse, (lens.width, lens.height), interpolation=cv2.INTER_CUBIC)
     pixels = device.normal(0.0, PATTERN_MM, (lens.height, lens.width))

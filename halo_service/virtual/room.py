@@ -19,6 +19,8 @@ from halo_service.geometry.surface import Surface
 from halo_service.values import Side
 from halo_service.virtual.camera import DEPTH_MODE, DEVICES, MODES, factory
 from halo_service.virtual.halo import FAMILIES, HaloCurve
+from halo_service.virtual.installation import places
+from halo_service.virtual.installation.places import AREA_MM, Installation, Place, place_of
 from halo_service.virtual.materials import MATERIALS, STUDIED, Material
 from halo_service.virtual.projector import Projector
 from halo_service.virtual.props import PROPS, Flat
@@ -32,8 +34,7 @@ from halo_service.virtual.users import (
     stream,
 )
 
-WIDTH_MM, HEIGHT_MM = 300.0, 200.0
-"""The paper's interaction area at 0.5 m (6.4)."""
+WIDTH_MM, HEIGHT_MM = AREA_MM
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +80,23 @@ class Room:
     seat_deg: float = 0.0
     """Where the user's arms come from, clockwise from above: 0 the near edge, 90 the left one,
     180 the far one, 270 the right one."""
+    installation: Installation = field(default_factory=Installation)
+    """The other cameras over the same table."""
+
+    @property
+    def place(self) -> Place:
+        """This camera's area on the canvas."""
+        return self.place_of(self.installation.camera)
+
+    def place_of(self, number: int) -> Place:
+        """Another camera's area on the canvas."""
+        return place_of(self.installation, self.seed, number)
+
+    @property
+    def noise_seed(self) -> tuple[int, ...]:
+        """Where this camera's random numbers start: no two cameras share their noise."""
+        number = self.installation.camera
+        return (self.seed,) if number == 1 else (self.seed, number)
 
     @property
     def surface_material(self) -> Material:
@@ -88,7 +106,10 @@ class Room:
     def camera(self) -> Camera:
         """The device, with a serial number of its own: a profile of one room fits no other."""
         device = factory(self.device, self.mode)
-        return dataclasses.replace(device, serial=f"{device.serial}-{self.seed}-{self.material}")
+        number = self.installation.camera
+        which = "" if number == 1 else f"-{number}"
+        serial = f"{device.serial}-{self.seed}-{self.material}{which}"
+        return dataclasses.replace(device, serial=serial)
 
     def surface(self) -> Surface:
         """The default surface, from the camera's view: 300 x 200 mm around the optical axis."""
@@ -118,7 +139,8 @@ def draw_room(seed: int, **overrides: object) -> Room:
     """
     if seed < 0:
         raise UserError(f"The virtual camera's seed is {seed}; give a whole number from 0 up.")
-    place = stream(seed, "camera")
+    number = overrides.get("installation.camera", 1)
+    place = stream(seed, "camera" if number == 1 else f"camera {number}")
     plain = overrides.get("sensor", Room().sensor) == KIND
     drawn = Room(
         seed=seed,
@@ -144,8 +166,9 @@ def _seat_deg(seed: int) -> float:
 
 
 def _changed(room: Room, overrides: Mapping[str, Any]) -> Room:
-    """The room with fields of itself, its user, its curve and its sensor replaced."""
-    inside: dict[str, dict[str, Any]] = {"user": {}, "curve": {}, "sensor": {}}
+    """The room with fields of itself, its user, its curve and so on replaced."""
+    parts = ("user", "curve", "sensor", "installation")
+    inside: dict[str, dict[str, Any]] = {part: {} for part in parts}
     fields: dict[str, Any] = {}
     for name, value in overrides.items():
         part, _, field_name = name.rpartition(".")
@@ -205,6 +228,7 @@ def check(room: Room) -> Room:
     _check_names("object", room.props, PROPS)
     _check_names("device", [room.device], DEVICES)
     _check_names("depth mode", [room.mode], MODES)
+    places.check(room.installation)
     for name, (low, high) in LIMITS.items():
         part, _, field_name = name.rpartition(".")
         value = getattr(getattr(room, part) if part else room, field_name)

@@ -105,14 +105,15 @@ class Scenario:
         self.steps = steps if steps is not None else []
         """Finished steps, in order."""
         self._contacts: list[Contact] = []
+        self._from_canvas = None if room.installation.alone else from_canvas(room)
 
     def at(self, t_s: float) -> Snapshot:
         """What is in view at a time; times may not go back by more than half a second."""
         hands, things = [], list(self._things(t_s)) if self._things else []
         for motion in self._motions:
-            pose = motion.pose(t_s)
+            pose = self._pose(motion, t_s)
             if pose is not None:
-                hands.append(posed(self._room.user, pose, _velocity(motion, pose, t_s)))
+                hands.append(posed(self._room.user, pose, self._velocity(motion, pose, t_s)))
                 things += motion.tools(t_s)
             self._contacts += [self._placed(motion, c) for c in motion.started_contacts(t_s)]
         return Snapshot(tuple(hands), tuple(things))
@@ -135,20 +136,33 @@ class Scenario:
 
     def _placed(self, motion: HandMotion, contact: Contact) -> Contact:
         """The touch at the place where the posed fingertip really is, not where it was aimed."""
-        pose = motion.pose(contact.from_s)
+        pose = self._pose(motion, contact.from_s)
         if pose is None:
             return contact
         pad = tip_of(self._room.user, pose, contact.finger)
         return dataclasses.replace(contact, x_mm=float(pad[0]), y_mm=float(pad[1]))
 
+    def _velocity(self, motion: HandMotion, pose: HandPose, t_s: float) -> Floats:
+        """(3,) mm/s."""
+        before = self._pose(motion, t_s - VELOCITY_S) if t_s >= VELOCITY_S else None
+        if before is None:
+            return np.zeros(3)
+        moved = pose.surface_from_hand[:3, 3] - before.surface_from_hand[:3, 3]
+        return np.asarray(moved / VELOCITY_S, dtype=np.float64)
 
-def _velocity(motion: HandMotion, pose: HandPose, t_s: float) -> Floats:
-    """(3,) mm/s."""
-    before = motion.pose(t_s - VELOCITY_S) if t_s >= VELOCITY_S else None
-    if before is None:
-        return np.zeros(3)
-    moved = pose.surface_from_hand[:3, 3] - before.surface_from_hand[:3, 3]
-    return np.asarray(moved / VELOCITY_S, dtype=np.float64)
+    def _pose(self, motion: HandMotion, t_s: float) -> HandPose | None:
+        """The pose in this camera's surface frame; motions of installations are on the canvas."""
+        pose = motion.pose(t_s)
+        if pose is None or self._from_canvas is None:
+            return pose
+        return dataclasses.replace(
+            pose, surface_from_hand=self._from_canvas @ pose.surface_from_hand
+        )
+
+
+def from_canvas(room: Room) -> Floats:
+    """(4, 4) the place of the room's camera: canvas to surface, mm."""
+    return np.asarray(np.linalg.inv(room.place.canvas_from_surface), dtype=np.float64)
 
 
 def other(side: Side) -> Side:

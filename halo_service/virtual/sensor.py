@@ -7,7 +7,7 @@ gives the same bytes in any order. The truth stays outside: nothing of it is in 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from halo_service.virtual.dents import halo_parts
 from halo_service.virtual.depth_image import DepthImager, Ideal
 from halo_service.virtual.exposure import EDGE_STEP_MM
 from halo_service.virtual.halo import fading
+from halo_service.virtual.installation.interference import Interference
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.optics import (
     AVERAGED,
@@ -32,6 +33,8 @@ from halo_service.virtual.optics import (
 )
 from halo_service.virtual.room import Room
 from halo_service.virtual.skeleton import PosedHand, User
+
+NO_LIGHT: Mapping[int, float] = {}
 
 
 class Sensor:
@@ -51,6 +54,11 @@ class Sensor:
         self._imager = DepthImager(room, self.camera, self.surface)
         self._fade = fading(room.camera_height_mm, room.camera_yaw_deg, room.camera_pitch_deg)
         self._electronics = Electronics(room, self.camera, self._imager.empty)
+        self._interference = (
+            None
+            if room.installation.alone
+            else Interference(room, self.camera.depth, self._imager.view)
+        )
         self._colour_times = colour_times
         self._colour = (
             ColourImager(room, self.camera, self.surface, colour_times) if colour_times else None
@@ -87,10 +95,17 @@ class Sensor:
             self._colour.throw(self._shown)
 
     def frame(
-        self, time_us: int, hands: Sequence[PosedHand] = (), things: Sequence[Body] = ()
+        self,
+        time_us: int,
+        hands: Sequence[PosedHand] = (),
+        things: Sequence[Body] = (),
+        shared_light: Mapping[int, float] = NO_LIGHT,
     ) -> Frame:
-        """The frame exposed at `time_us` with these hands and things in view."""
-        rng = np.random.default_rng([self.room.seed, time_us])
+        """The frame exposed at `time_us` with these hands and things in view.
+
+        `shared_light`: of the other cameras of the installation, see `interference.shares`.
+        """
+        rng = np.random.default_rng([*self.room.noise_seed, time_us])
         seen = [*(shapes.of_hand(self._user, hand) for hand in hands), *things]
         velocities = [*(hand.velocity_mm_s for hand in hands), *([np.zeros(3)] * len(things))]
         age_s = (time_us - self._started_us) / 1e6
@@ -99,6 +114,8 @@ class Sensor:
         depth = self._electronics.depth(ideal, changed, age_s, rng)
         for places in lost:
             depth[places] = 0
+        if self._interference is not None:
+            self._interference.disturb(depth, shared_light, rng)
         infrared = self._electronics.infrared(ideal.infrared, rng)
         self._imager.wipe(changed)
         return Frame(time_us, depth, infrared, self._picture(age_s, seen, velocities, rng))

@@ -16,7 +16,7 @@ from halo_service.values import Finger, Side
 from halo_service.virtual.pictures import findable
 from halo_service.virtual.props import sheets
 from halo_service.virtual.room import Room, draw_room
-from halo_service.virtual.scenarios import ROOM_CHANGES, SCENARIOS
+from halo_service.virtual.scenarios import CAMERAS, FOR_INSTALLATIONS, ROOM_CHANGES, SCENARIOS
 from halo_service.virtual.sensor_model import SENSORS, SensorModel
 
 DEFAULT = "demo"
@@ -46,6 +46,10 @@ def _fingers(text: str) -> tuple[Finger, ...]:
 
 def _list(text: str) -> tuple[str, ...]:
     return tuple(part for part in text.split(",") if part)
+
+
+def _angles(text: str) -> tuple[float, ...]:
+    return tuple(float(part) for part in _list(text))
 
 
 OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
@@ -100,6 +104,11 @@ OPTIONS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "lopsided": ("curve.lopsided", float),
     "glow_mm": ("curve.glow_mm", float),
     "glow_reach_mm": ("curve.glow_reach_mm", float),
+    "cameras": ("installation.cameras", int),
+    "camera": ("installation.camera", int),
+    "sync": ("installation.sync", str),
+    "delay_us": ("installation.delay_us", float),
+    "angles_deg": ("installation.angles_deg", _angles),
 }
 """Option -> the field of the room, its user or its curve, and how to read it."""
 
@@ -111,6 +120,7 @@ KINDS: dict[Callable[[str], Any], str] = {
     _sleeve: "a number or none",
     _yes: "yes or no",
     _fingers: "names of fingers: thumb, index, middle, ring, little",
+    _angles: "numbers, one for each camera",
 }
 """How to name what a reader accepts."""
 
@@ -134,8 +144,14 @@ def parse_sim_url(name: str = "", *, seed: int | None = None) -> SimRequest:
         hint = suggestion(scenario, SCENARIOS) or f"choose from: {', '.join(SCENARIOS)}."
         raise UserError(f"The virtual camera has no scenario {scenario!r}; {hint}")
     options = dict(parse_qsl(rest, keep_blank_values=True) if mark == "?" else _pairs(rest))
+    options = CAMERAS.get(scenario, {}) | options
     drawn_seed = _read("seed", options.pop("seed", "1"), int)
     room = draw_room(seed if seed is not None else drawn_seed, **_named(options))
+    if not room.installation.alone and scenario not in FOR_INSTALLATIONS:
+        raise UserError(
+            f"The scenario {scenario!r} is for one camera; with cameras="
+            f"{room.installation.cameras} choose from: {', '.join(FOR_INSTALLATIONS)}."
+        )
     return SimRequest(scenario, ROOM_CHANGES.get(scenario, _unchanged)(room))
 
 

@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import signal
+from collections.abc import Mapping
 from contextlib import nullcontext
 from multiprocessing.connection import Connection
 from multiprocessing.shared_memory import SharedMemory
@@ -27,14 +28,15 @@ from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 from halo_service.virtual import truth
 from halo_service.virtual.camera import factory
-from halo_service.virtual.clock import clock_of
+from halo_service.virtual.clock import clocks_of
+from halo_service.virtual.installation.interference import shares
 from halo_service.virtual.ring import Ring
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
 
 JITTER_S = 0.0007
-"""Of the exposures, one sigma; chosen."""
+"""Of a single camera's exposures, one sigma; chosen."""
 LIVE_COLOUR_TIMES = 2
 """Live, colour is drawn at half its size each way."""
 
@@ -85,7 +87,7 @@ class _Camera:
     ) -> None:
         self._pipe, self._ring, self._log = pipe, ring, log
         self._drop = request.room.drop
-        self._rng = np.random.default_rng([request.room.seed, 3])
+        self._rng = np.random.default_rng([*request.room.noise_seed, 3])
         self._scenario = start_scenario(request.scenario, request.room)
         switched_on_us = CLOCK.unix_us()
         self._sensor = Sensor(
@@ -94,11 +96,15 @@ class _Camera:
             started_us=switched_on_us,
         )
         # Once for nothing, so that what is built at first use does not hold up a frame.
-        snapshot = self._scenario.at(0.0)
+        joins = not request.room.installation.alone
+        snapshot = self._scenario.at(CLOCK.unix_us() / 1e6 if joins else 0.0)
         self._sensor.frame(switched_on_us, snapshot.hands, snapshot.things)
         # Live, frames carry Unix time: drift and start of the device's clock are mapped already.
-        self._clock = clock_of(request.room, request.scenario)
-        self._start_us = CLOCK.unix_us()
+        self._other_clocks = clocks_of(request.room, request.scenario)
+        self._clock = self._other_clocks.pop(request.room.installation.camera)
+        # Cameras of an installation show the same moment: their time 0 is that of Unix.
+        self._start_us = 0 if joins else CLOCK.unix_us()
+        self._jitter_s = 0.0 if joins else JITTER_S
         self._number = 0
         self._asked: int | None = None
         """The newest frame that the reader has, while it waits for a newer one."""
@@ -109,15 +115,16 @@ class _Camera:
         while True:
             elapsed_s = (CLOCK.unix_us() - self._start_us) / 1e6
             # Late: leave frames out, never catch up.
-            index = max(index + 1, int(elapsed_s * self._clock.fps))
-            due_s = self._clock.exposed_s(index) + abs(self._rng.normal(0.0, JITTER_S))
+            index = max(index + 1, int((elapsed_s - self._clock.first_s) * self._clock.fps))
+            due_s = self._clock.exposed_s(index) + abs(self._rng.normal(0.0, self._jitter_s))
             lost = self._clock.skips(index) or self._rng.random() < self._drop
-            self._expose(self._start_us + round(due_s * 1e6), lost)
+            light = shares(self._clock, self._other_clocks, index)
+            self._expose(self._start_us + round(due_s * 1e6), lost, light)
 
     def _unix_us(self, t_s: float) -> int:
         return self._start_us + round(t_s * 1e6)
 
-    def _expose(self, time_us: int, lost: bool) -> None:
+    def _expose(self, time_us: int, lost: bool, shared_light: Mapping[int, float]) -> None:
         self._serve_until(time_us / 1e6)
         t_s = (time_us - self._start_us) / 1e6
         snapshot = self._scenario.at(t_s)
@@ -127,7 +134,7 @@ class _Camera:
             for contact in self._scenario.ended_contacts(t_s)
         ]
         if not lost:
-            frame = self._sensor.frame(time_us, snapshot.hands, snapshot.things)
+            frame = self._sensor.frame(time_us, snapshot.hands, snapshot.things, shared_light)
             self._number += 1
             self._ring.write(self._number, frame)
             lines.append(truth.frame_line(time_us, self._sensor.camera, surface, snapshot.hands))

@@ -19,6 +19,7 @@ import pytest
 from halo_service.app.cli import main
 from halo_service.app.recordings.area import near_surface
 from halo_service.app.recordings.record import copy_frames
+from halo_service.canvas.layout import load as read_layout
 from halo_service.geometry.camera import Camera
 from halo_service.geometry.surface import from_view
 from halo_service.profile import Background, Profile
@@ -266,6 +267,8 @@ def test_ctrl_c_ends_a_live_recording_and_saves_it(
             "cannot be written",
         ),
         (["simulate", "demo"], "simulate needs a SCENARIO and --out"),
+        (["simulate", "demo", "--layout", "x.toml"], "'demo' has one camera and no canvas"),
+        (["simulate", "crossing", "--canvas-truth", "x"], "--canvas-truth needs --seconds"),
         (["record", "x.mkv", "--source", "recording:none.mkv"], "none.mkv does not exist"),
         (["record", "no/x.mkv", "--source", "sim"], "no/x.mkv cannot be written: the folder"),
     ],
@@ -281,3 +284,15 @@ def test_an_impossible_recording_leaves_nothing(
     assert main(arguments) == 2
     assert says in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_installation_has_a_layout_and_one_truth(tmp_path: Path) -> None:
+    layout, truth = tmp_path / "table.toml", tmp_path / "truth.jsonl"
+    files = ["--layout", str(layout), "--canvas-truth", str(truth)]
+    assert main(["simulate", "crossing,cameras=3,seed=4", *files, "--seconds", "8"]) == 0
+    assert [each.node for each in read_layout(layout).surface] == [
+        f"camera-{number}" for number in (1, 2, 3)
+    ]
+    lines = [json.loads(line) for line in truth.read_text().splitlines()]
+    assert sum("fingers" in line for line in lines) == 480
+    assert any("contact" in line for line in lines)

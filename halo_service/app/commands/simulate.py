@@ -26,6 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seconds", type=float, metavar="S", help="length, for a scenario without an end"
     )
+    parser.add_argument(
+        "--canvas-truth", metavar="X.jsonl", help="ground truth of an installation, on its canvas"
+    )
+    parser.add_argument(
+        "--layout", metavar="X.toml", help="layout of an installation's canvas; nodes camera-1, ..."
+    )
     parser.add_argument("--no-colour", action="store_true", help="record no colour")
     parser.add_argument(
         "--gallery", type=Path, metavar="X.png", help="draw all materials and states in one picture"
@@ -33,16 +39,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Render the recording, the gallery, or both."""
-    from halo_service.app.recordings.simulate import SimulateRequest, simulate
+    """Render the recording, the gallery, or both; write what belongs to an installation."""
+    from halo_service.app.recordings.simulate import SimulateRequest, simulate, write_installation
 
     if options.gallery is not None:
         from halo_service.virtual.gallery import save
 
         save(options.gallery, 1 if options.seed is None else options.seed)
         print(f"halo: the gallery is in {options.gallery}", file=sys.stderr)
-    elif options.scenario is None or options.out is None:
+    elif options.scenario is None or not _files(options):
         raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
+    if options.scenario is not None and (options.layout or options.canvas_truth):
+        write_installation(
+            options.scenario, options.seed, options.seconds, options.layout, options.canvas_truth
+        )
     if options.scenario is not None and options.out is not None:
         request = SimulateRequest(
             options.scenario,
@@ -58,3 +68,8 @@ def run(options: argparse.Namespace) -> int:
             print("halo: no ground truth; --truth X.jsonl writes it too", file=sys.stderr)
         print(f"next: halo serve --source recording:{options.out}", file=sys.stderr)
     return 0
+
+
+def _files(options: argparse.Namespace) -> bool:
+    """Whether there is a file to write."""
+    return bool(options.out or options.layout or options.canvas_truth)

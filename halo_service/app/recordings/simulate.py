@@ -35,7 +35,7 @@ def simulate(request: SimulateRequest) -> int:
     from halo_service.virtual.offline import SimulatedRecording
     from halo_service.virtual.sim_url import parse_sim_url
 
-    simulated = parse_sim_url(f"sim:{request.scenario.removeprefix('sim:')}", seed=request.seed)
+    simulated = parse_sim_url(_source(request.scenario), seed=request.seed)
     recording = SimulatedRecording(simulated, request.seconds, colour=request.colour)
     if STDOUT in (str(request.out), request.truth, request.script):
         raise UserError("simulate cannot write to stdout (-): name a file")
@@ -68,3 +68,32 @@ def simulate(request: SimulateRequest) -> int:
         if script is not None:
             script.write(json.dumps(recording.script(), indent=1) + "\n")
     return count
+
+
+def write_installation(
+    scenario: str, seed: int | None, seconds: float | None, layout: str | None, truth: str | None
+) -> None:
+    """Write the layout and the truth of a virtual installation, each where there is a name.
+
+    Raises `UserError` for a scenario with one camera, and for a truth without a length.
+    """
+    from halo_service.virtual.installation.truth import canvas_truth, layout_text
+    from halo_service.virtual.sim_url import parse_sim_url
+
+    simulated = parse_sim_url(_source(scenario), seed=seed)
+    if simulated.room.installation.alone:
+        raise UserError(
+            f"the scenario '{scenario}' has one camera and no canvas; try crossing,cameras=2"
+        )
+    if truth and not seconds:
+        raise UserError("simulate: --canvas-truth needs --seconds S: the scenario never ends")
+    if layout:
+        with written(layout) as file:
+            file.write(layout_text(simulated))
+    if truth and seconds:
+        with written(truth) as file:
+            file.writelines(json.dumps(line) + "\n" for line in canvas_truth(simulated, seconds))
+
+
+def _source(scenario: str) -> str:
+    return f"sim:{scenario.removeprefix('sim:')}"

@@ -13,6 +13,7 @@ from halo_service.virtual.scenarios import (
     calibration,
     chaos,
     controlled,
+    crossing,
     demo,
     drumming,
     idle,
@@ -24,6 +25,7 @@ from halo_service.virtual.scenarios import (
     threshold,
     typing,
 )
+from halo_service.virtual.scenarios.common import at_near_edge
 
 SCENARIOS: dict[str, Callable[[Room, np.random.Generator], Scenario]] = {
     "demo": demo.demo,
@@ -45,6 +47,7 @@ SCENARIOS: dict[str, Callable[[Room, np.random.Generator], Scenario]] = {
     "chaos": chaos.chaos,
     "labels": labels.labels,
     "hand": controlled.hand,
+    "crossing": crossing.crossing,
 }
 ENDING = frozenset(
     {"calibration", "calibration-hard", "hover", "pressure", "threshold", "awkward", "labels"}
@@ -54,8 +57,13 @@ ROOM_CHANGES: dict[str, Callable[[Room], Room]] = {
     "projector": projector.lit,
     "chaos": chaos.dressed,
     "labels": labels.readable,
+    "crossing": at_near_edge,
 }
 """Scenarios that add something to the room, or check that it is there."""
+CAMERAS = {"crossing": {"cameras": "2"}}
+"""Options that a scenario has unless they are given."""
+FOR_INSTALLATIONS = ("crossing", "idle")
+"""Scenarios that several cameras can show; the others are for one."""
 
 
 def start_scenario(scenario: str, room: Room) -> Scenario:

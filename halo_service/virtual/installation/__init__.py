@@ -1,0 +1,1 @@
+"""Several virtual cameras over one table: where they are, when they expose, how they interfere."""

@@ -112,6 +112,9 @@ def zenoh_config(source: ZenohSource) -> zenoh.Config:
         # A service at 0.0.0.0 names all of its interfaces. Zenoh's own limit is 10 s for each that
         # cannot be reached.
         "transport/unicast/open_timeout": 1000,
+        # After so much silence a link is closed and opened again. Zenoh waits 10 s, and TCP up to
+        # as long as the link was cut.
+        "transport/link/tx/lease": 3000,
     }
     config = zenoh.Config.from_file(source.config) if source.config else zenoh.Config()
     for key, value in settings.items():

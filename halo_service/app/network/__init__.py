@@ -1,0 +1,1 @@
+"""Networks of several machines: a Zenoh router, and what is wrong with a network."""

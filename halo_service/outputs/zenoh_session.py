@@ -1,0 +1,126 @@
+"""Opens a Zenoh session: the user's settings, over a configuration file, over our defaults."""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import zenoh
+
+from halo_client.interfaces import multicast_interface
+from halo_service.errors import UserError
+from halo_service.files import from_home
+from halo_service.outputs.settings import LISTEN, ZenohSettings
+
+log = logging.getLogger(__name__)
+
+RETRY = {"period_init_ms": 250, "period_max_ms": 500}
+LEASE_MS = 3000
+
+
+class Connections:
+    """The connections that a session shall have. Zenoh tries absent ones again."""
+
+    def __init__(self, session: zenoh.Session, endpoints: Sequence[str]) -> None:
+        self._session = session
+        self.endpoints = tuple(endpoints)
+        self._away: list[str] = []
+
+    @property
+    def missing(self) -> int:
+        """Number of endpoints without a connection; each change is logged."""
+        linked = {_protocol_and_port(link.dst) for link in self._session.info.links()}
+        away = [each for each in self.endpoints if _protocol_and_port(each) not in linked]
+        for each in away if away != self._away else ():
+            log.warning("zenoh: no connection to %s; trying again until it answers", each)
+        if self._away and not away:
+            log.warning("zenoh: connected to %s", ", ".join(self.endpoints))
+        self._away = away
+        return len(away)
+
+
+def open_session(
+    settings: ZenohSettings,
+    mode: str,
+    remedy: str = "set [zenoh] listen or connect, or start with --no-zenoh",
+) -> tuple[zenoh.Session, Connections]:
+    """Open a `peer`, a `router` or a `client`; return it and its connections.
+
+    `remedy`: what to do if it cannot listen or connect. Raises `UserError`.
+    """
+    config = _base_config(settings.config)
+    try:
+        _set(config, settings, mode)
+        session = zenoh.open(config)
+        return session, Connections(session, _connects(config))
+    except zenoh.ZError as error:
+        listen, connect = (_endpoints(config, key) for key in ("listen", "connect"))
+        raise UserError(
+            f"zenoh: cannot listen at {', '.join(settings.listen) or listen} or connect to "
+            f"{', '.join(settings.connect) or connect} ({reason(error)}); another service or "
+            f"router may have the port: {remedy}"
+        ) from error
+
+
+def reason(error: zenoh.ZError) -> str:
+    """Return Zenoh's error text without the position in Zenoh's source code."""
+    words = re.sub(r"\s*\bat \S+\.rs:\d+\.?", "", str(error)).strip()
+    inner = re.search(r'msg: "(.*?)", location', words)
+    return inner[1] if inner else words.splitlines()[-1].strip(" =")
+
+
+def _set(config: zenoh.Config, settings: ZenohSettings, mode: str) -> None:
+    config.insert_json5("mode", json.dumps(mode))
+    _fill(config, "listen/endpoints", settings.listen, () if mode == "client" else LISTEN)
+    _fill(config, "connect/endpoints", settings.connect, ())
+    _fill(config, "scouting/multicast/enabled", settings.multicast, False)
+    _fill(config, "scouting/multicast/interface", None, multicast_interface())
+    # Zenoh's own limit is 10 s for each address of a peer that cannot be reached.
+    _fill(config, "transport/unicast/open_timeout", None, 1000)
+    # A router that starts later, or again, is found soon.
+    _fill(config, "connect/retry", None, RETRY)
+    # A dead link is closed and opened again after 3 s. Zenoh waits 10 s, and TCP up to as long as
+    # the link was cut.
+    _fill(config, "transport/link/tx/lease", None, LEASE_MS)
+    # A router reports its version and its connections to whoever may read them.
+    _fill(config, "adminspace/enabled", None, mode == "router")
+
+
+def _base_config(path: str) -> zenoh.Config:
+    """Read the user's Zenoh configuration; without one, Zenoh's defaults."""
+    if not path:
+        return zenoh.Config()
+    try:
+        return zenoh.Config.from_file(from_home(path))
+    except zenoh.ZError as error:
+        raise UserError(
+            f"zenoh: the configuration {path} cannot be read ({reason(error)}); "
+            "correct the file, or leave it out"
+        ) from error
+
+
+def _fill(config: zenoh.Config, key: str, value: Any, default: Any) -> None:
+    """Set the user's value, else keep the value of the file, else set our default.
+
+    Zenoh fills in missing values, so a value equal to Zenoh's default counts as not set.
+    """
+    if value or config.get_json(key) == zenoh.Config().get_json(key):
+        config.insert_json5(key, json.dumps(value or default))
+
+
+def _connects(config: zenoh.Config) -> list[str]:
+    endpoints = json.loads(config.get_json("connect/endpoints"))
+    return [each for each in endpoints if isinstance(each, str)] if endpoints else []
+
+
+def _protocol_and_port(locator: str) -> tuple[str, str]:
+    """Return what a link and its endpoint have in common: its host may be a name."""
+    address = re.split(r"[?#]", locator)[0]
+    return address.partition("/")[0], address.rpartition(":")[2]
+
+
+def _endpoints(config: zenoh.Config, key: str) -> str:
+    return config.get_json(f"{key}/endpoints").strip("[]").replace('"', "") or "nothing"

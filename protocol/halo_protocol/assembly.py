@@ -16,7 +16,8 @@ TIMEOUT_S = 3.0
 """Silence after which a service counts as lost; it sends at least once a second."""
 SUPERSEDED_S = 0.5
 """The same for a session with pointers (it sends a frame every 33 ms) when its node has a newer
-session: the service was killed and restarted, and the old fingers must not stay for 3 s."""
+session: the service was killed and restarted, and the old fingers must not stay for 3 s. Likewise
+when its node has left."""
 MAX_STREAMS = 64
 """Sessions at the same time; beyond, the one that was silent for longest is closed."""
 
@@ -30,6 +31,8 @@ class Assembler:
         self._ranks: dict[tuple[str, str, str], int] = {}
         self._collisions: set[tuple[str, str, str, str]] = set()
         self._dropped_before = 0
+        self.left: frozenset[str] = frozenset()
+        """Nodes that have left the network, where the caller knows: Zenoh's liveliness tokens."""
 
     @property
     def dropped(self) -> int:
@@ -58,7 +61,7 @@ class Assembler:
         for key, stream in list(self._streams.items()):
             superseded = newest[stream.node, stream.surface] is not stream
             limit_s = self._timeout_s
-            if superseded and stream.holds_pointers:
+            if (superseded or stream.node in self.left) and stream.holds_pointers:
                 limit_s = min(limit_s, SUPERSEDED_S)
             if now_s - stream.received_s > limit_s:
                 events += self._close(key)

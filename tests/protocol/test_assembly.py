@@ -199,6 +199,25 @@ def test_an_open_touch_of_a_silent_service_is_ended() -> None:
     assert assembler.expire(100.0) == []
 
 
+@pytest.mark.parametrize(
+    ("pointers", "left", "lost_s"),
+    [
+        ([POINTER], {"desk"}, 0.5),
+        ([POINTER], {"other"}, 3.0),
+        ([], {"desk"}, 3.0),  # it may send one frame a second only
+    ],
+)
+def test_a_node_that_has_left_is_lost_after_half_a_second_with_pointers(
+    pointers: list[Pointer], left: set[str], lost_s: float
+) -> None:
+    assembler = Assembler()
+    for datagram in frame(1, pointers):
+        assembler.receive_data(datagram, 1.0)
+    assembler.left = frozenset(left)
+    assert assembler.expire(1.0 + lost_s) == []
+    assert assembler.expire(1.01 + lost_s)[-1] == Lost("table", "desk", "s1")
+
+
 def test_an_inferred_down_is_marked() -> None:
     (down,) = assembled([frame(0), frame(9, [replace(POINTER, state=1, contacts=1)])])[-1].downs
     assert down == Down(1, 0, 0.5, 0.5, UNKNOWN_STRIKE, 0.0, 1)

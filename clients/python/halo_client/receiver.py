@@ -12,7 +12,7 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, Self, overload
+from typing import Protocol, Self, overload, runtime_checkable
 
 from halo_client.errors import EndOfStream
 from halo_client.follow import FIRST, Follow, Follower
@@ -53,6 +53,14 @@ class Input(Protocol):
         """Close the input. May be called twice."""
 
 
+@runtime_checkable
+class NodeWatch(Protocol):
+    """An `Input` that knows which nodes have left."""
+
+    left: frozenset[str]
+    """Nodes that were there and are not; their touches end after half a second of silence."""
+
+
 @dataclass(slots=True)
 class Losses:
     """Losses and errors since the receiver was opened."""
@@ -76,6 +84,7 @@ class Receiver:
 
     def __init__(self, source: Input, follow: Follow = FIRST) -> None:
         self._source = source
+        self._watch = source if isinstance(source, NodeWatch) else None
         self._follower = Follower(follow)
         self._assembler = Assembler()
         self._warned: set[str] = set()
@@ -101,6 +110,8 @@ class Receiver:
             received = self._source.receive(timeout_s)
         except EndOfStream:
             received, self.ended = None, True
+        if self._watch is not None:
+            self._assembler.left = self._watch.left
         now_s = math.inf if self.ended else time.monotonic()
         events = self._read(*received, now_s) if received else self._assembler.expire(now_s)
         for event in events:

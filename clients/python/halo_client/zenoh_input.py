@@ -17,7 +17,7 @@ from halo_client.errors import ClientError
 from halo_client.interfaces import multicast_interface
 from halo_client.ring import Ring
 from halo_client.source import ZenohSource
-from halo_protocol import ANY, zenoh_key
+from halo_protocol import ANY, liveliness_key, zenoh_key
 
 _OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
 _LOG = logging.getLogger(__name__)
@@ -25,6 +25,9 @@ _RETRY_S = 1.0
 """Time between two tries to open a session."""
 _OTHERS = "halo/*/*/*/scene"
 """Scenes of any major version, so that a service of another one is reported."""
+
+_MOST_LEFT = 1024
+"""Nodes that are remembered after they left."""
 
 
 class ZenohInput:
@@ -36,6 +39,8 @@ class ZenohInput:
 
     def __init__(self, source: ZenohSource) -> None:
         self._ring = Ring()
+        self.left: frozenset[str] = frozenset()
+        """Nodes that had a liveliness token and have none; replaced whole by Zenoh's thread."""
         self._source = source
         self._open: tuple[zenoh.Session, list[zenoh.Subscriber[None]]] | None = None
         self._closed = threading.Event()
@@ -81,6 +86,9 @@ class ZenohInput:
         return session, [
             session.declare_subscriber(key, self._store),
             session.declare_subscriber(_OTHERS, self._store_foreign),
+            session.liveliness().declare_subscriber(
+                liveliness_key(follow.node), self._note, history=True
+            ),
         ]
 
     def _store(self, sample: zenoh.Sample) -> None:
@@ -89,6 +97,14 @@ class ZenohInput:
     def _store_foreign(self, sample: zenoh.Sample) -> None:
         if str(sample.key_expr).split("/")[:2] != _OWN:
             self._store(sample)
+
+    def _note(self, token: zenoh.Sample) -> None:
+        """Note a node that comes or leaves: its process has ended, or its link is dead."""
+        node = {str(token.key_expr).split("/")[2]}
+        if token.kind == zenoh.SampleKind.PUT:
+            self.left -= node
+        elif len(self.left) < _MOST_LEFT:
+            self.left |= node
 
     def __enter__(self) -> Self:
         return self

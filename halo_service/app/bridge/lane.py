@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 
 from halo_client import Follow, Input, Receiver, Silence
 from halo_client.errors import EndOfStream
+from halo_client.receiver import NodeWatch
 from halo_protocol import ANY
 from halo_service.app.bridge.relay import Relay
 from halo_service.outputs import Carrier
@@ -115,6 +116,11 @@ class _Tap:
         self._read = read
         self.url = source.url
         self.ended = threading.Event()
+
+    @property
+    def left(self) -> frozenset[str]:
+        """As of the source; none where it does not know."""
+        return self._source.left if isinstance(self._source, NodeWatch) else frozenset()
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         if self.ended.is_set():

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -213,6 +214,21 @@ def test_a_cut_link_ends_the_touch_and_a_restarted_router_brings_the_stream_back
     assert relay.missed >= 200
     assert f"{relay.missed} frames missed" in lane.status
     assert cut_at < number
+
+
+def test_the_touch_of_a_killed_service_ends_in_less_than_a_second(
+    endpoint: str, stack: ExitStack
+) -> None:
+    port = Port()
+    stack.callback(port.close)
+    stack.callback(opened_router(endpoint).close)
+    settings = ZenohSettings(listen=("tcp/127.0.0.1:0",), connect=(endpoint,))
+    service = ZenohOutput(settings, "desk", "table")
+    _, relay = lane_to(endpoint, [port.place], stack)
+    numbers = count(1)
+    until(lambda: service.send(frame(next(numbers), (TOUCHING,))) or relay.frames, every_s=0.02)
+    service._session.close()  # as a killed process: without a last frame
+    until(lambda: any(isinstance(each, wire.Up) for each in port.messages()), 1.5, 0.01)
 
 
 def test_the_command_serves_late_clients_and_says_at_its_end_what_it_lost(

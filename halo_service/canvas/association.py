@@ -1,0 +1,90 @@
+"""Which track a node's new pointer belongs to, and which tracks are one finger.
+
+Rule: pure. The assignment of all new pointers of a node is solved at once, with a gate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from halo_service.canvas.seen import Seen
+from halo_service.canvas.tracks import Track
+
+LAYOUT_MM = 2.5
+"""Standard deviation of where two surfaces are relative to each other."""
+CLOCK_S = 0.01
+"""The same of two nodes' clocks, and of when within a frame a finger is seen."""
+GATE, GATE_MM = 3.5, 40.0
+"""A pointer farther than so many standard deviations from a track, or mm, is another finger."""
+VANISHED_MM = 6.0
+"""Added deviation of a finger that no node sees at the moment."""
+OTHER_FINGER, OTHER_SIDE = 5.0, 2.0
+"""Twice the logarithm of how rarely two nodes name one finger, or its hand, differently."""
+HOVER_MM = 10.0
+"""Standard deviation of the difference of two nodes' heights."""
+IMPOSSIBLE = 1e6
+APART_US = 200_000
+"""A report that is outside of the gate for so long is of another finger."""
+ONE_GATE = 2.0
+"""Tracks of different nodes that are nearer are one finger."""
+
+
+def assign(tracks: Sequence[Track], pointers: Sequence[Seen], time_us: int) -> dict[int, int]:
+    """Return the number of each pointer's track, for those that belong to one."""
+    if not tracks or not pointers:
+        return {}
+    costs = np.array([[_cost(track, each, time_us) for track in tracks] for each in pointers])
+    pairs = zip(*_solver()(costs), strict=True)
+    return {int(i): int(j) for i, j in pairs if costs[i, j] < IMPOSSIBLE}
+
+
+def is_apart(track: Track, seen: Seen) -> bool:
+    """Whether one node's report is far from what all together say."""
+    away_mm = math.dist(track.place_mm(seen.time_us), seen.place_mm)
+    return away_mm > GATE_MM or away_mm > 2.0 * GATE * _deviation(track, seen)
+
+
+def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Track]]:
+    """Yield pairs of tracks that seem to be one finger, the older one first."""
+    for a, b in combinations(tracks, 2):
+        if not a.members or not b.members or a.nodes & b.nodes or a.finger != b.finger:
+            continue
+        away_mm = math.dist(a.place_mm(time_us), b.place_mm(time_us))
+        if away_mm < ONE_GATE * math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM):
+            yield (a, b) if a.id < b.id else (b, a)
+
+
+def _cost(track: Track, seen: Seen, time_us: int) -> float:
+    """Return twice the negative logarithm of how likely a pointer is a track's."""
+    away_mm = math.dist(track.place_mm(time_us), seen.place_mm)
+    away = away_mm / _deviation(track, seen)
+    if away > GATE or away_mm > GATE_MM:
+        return IMPOSSIBLE
+    best = track.blend.best().pointer
+    height = (best.hover_mm - seen.pointer.hover_mm) / HOVER_MM
+    finger = OTHER_FINGER if best.finger != seen.pointer.finger else 0.0
+    sides = {best.hand, seen.pointer.hand} - {0}
+    cost = away**2 + height**2 + finger + (OTHER_SIDE if len(sides) > 1 else 0.0)
+    return cost if cost < 2.0 * GATE**2 else IMPOSSIBLE
+
+
+def _deviation(track: Track, seen: Seen) -> float:
+    """Return the standard deviation of the distance of a pointer from its track, mm."""
+    speed_mm_s = math.hypot(*seen.velocity_mm_s)
+    lost_mm = 0.0 if track.members else VANISHED_MM
+    own_mm = min(track.blend.deviation_mm, seen.deviation_mm * 2.0)
+    return math.hypot(own_mm, seen.deviation_mm, LAYOUT_MM, CLOCK_S * speed_mm_s, lost_mm)
+
+
+@cache
+def _solver() -> Any:
+    """Import SciPy's solver, once; programs that only read layouts do not wait for it."""
+    from scipy.optimize import linear_sum_assignment
+
+    return linear_sum_assignment

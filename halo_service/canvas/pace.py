@@ -1,0 +1,90 @@
+"""When a frame of the canvas is sent.
+
+Rule: pure; times are arguments. A frame is sent with each frame of one node, the lead: the fastest
+one that sees fingers. So the canvas has the rate of the fastest node, and what the lead sees waits
+for nothing; what others see waits for at most one frame. A touch that begins or ends is sent at
+once, whoever sees it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import pairwise
+from statistics import median
+
+from halo_service.canvas.seen import Where
+
+INTERVALS = 16
+"""Frames of a node whose median interval is its period."""
+AS_FAST = 1.25
+"""A node is as fast as the fastest where its period is at most so many times as long."""
+AWAY_US = 500_000
+"""A node that sent nothing for so long does not lead."""
+LATE = 1.5
+"""Periods after which the frame of another node is sent in place of the lead's."""
+IDLE_US = 500_000
+"""A frame is sent after so long in any case, so that clients see that the canvas is there."""
+
+
+@dataclass(slots=True)
+class _Node:
+    times_us: deque[int] = field(default_factory=lambda: deque(maxlen=INTERVALS + 1))
+    pointers: int = 0
+
+    @property
+    def period_us(self) -> float:
+        """Median interval of the frames."""
+        if len(self.times_us) < 2:
+            return float(AWAY_US)
+        return max(median(later - before for before, later in pairwise(self.times_us)), 1.0)
+
+
+class Pace:
+    """Follows the nodes and decides when to send."""
+
+    def __init__(self) -> None:
+        self._nodes: dict[Where, _Node] = {}
+        self._sent_us: int | None = None
+        self.lead: Where | None = None
+        """The node with whose frames frames are sent."""
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second of the fastest node; 0 without one."""
+        periods = [each.period_us for each in self._nodes.values() if len(each.times_us) > 1]
+        return 1e6 / min(periods) if periods else 0.0
+
+    def arrived(self, where: Where, now_us: int, pointers: int) -> bool:
+        """Note a node's frame; return whether to send one now."""
+        node = self._nodes.setdefault(where, _Node())
+        node.times_us.append(now_us)
+        node.pointers = pointers
+        self._choose(now_us)
+        if where == self.lead or self._sent_us is None:
+            return True
+        assert self.lead is not None
+        return now_us - self._sent_us > LATE * self._nodes[self.lead].period_us
+
+    def is_idle(self, now_us: int) -> bool:
+        """Whether nothing was sent for long."""
+        return self._sent_us is None or now_us - self._sent_us >= IDLE_US
+
+    def sent(self, now_us: int) -> None:
+        """Note that a frame was sent."""
+        self._sent_us = now_us
+
+    def lose(self, where: Where) -> None:
+        """Forget a node that is gone."""
+        self._nodes.pop(where, None)
+        self.lead = None if self.lead == where else self.lead
+
+    def _choose(self, now_us: int) -> None:
+        """Choose the lead; it stays while it is as fast as any, and sees fingers if any does."""
+        there = {w: n for w, n in self._nodes.items() if now_us - n.times_us[-1] < AWAY_US}
+        fastest_us = min(each.period_us for each in there.values())
+        fast = {w: n for w, n in there.items() if n.period_us <= AS_FAST * fastest_us}
+        lead = fast.get(self.lead) if self.lead is not None else None
+        most = max(fast, key=lambda each: fast[each].pointers)
+        if lead is None or (lead.pointers == 0 and fast[most].pointers > 0):
+            self.lead = most

@@ -1,0 +1,165 @@
+"""The touches of one finger that several nodes report: each is counted once.
+
+Rule: pure; times are arguments. A touch lasts while one node sees it. So a touch that one node
+misses is not lost, and a touch that moves from one node's surface to another's goes on.
+
+    A   ____/-----------\\______      down of A: a touch begins
+    B   ______/-----------\\____      down of B, up to 80 ms later: the same touch
+    C   ____/---------------\\__      down of A, up of B
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from halo_service.canvas.seen import Member, NodeEvent
+
+SAME_US = 80_000
+"""Downs of two nodes so near in time are one: they differ by up to two frames. People tap with one
+finger at most every 100 ms."""
+ORDER_US = 40_000
+"""A down that is so little before another node's up can be after it: both times have errors."""
+SURE_SHARE = 0.7
+"""A node with such a share of the weight is believed at once where another one disagrees."""
+RETURN_US = 150_000
+"""A finger that vanished at a seam while it touched is awaited on the other side for so long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A touch of the canvas began or ended."""
+
+    kind: Literal["down", "up"]
+    event: NodeEvent
+    number: int
+    """Of the touch."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Hold:
+    """A node's part of a touch."""
+
+    event: NodeEvent
+    discovered: bool
+    """The finger touched when this node saw it first, or a moment later."""
+
+
+class MergedTouches:
+    """The touches of one pointer of the canvas."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        """Touches so far."""
+        self.touching = False
+        self._began_us = self._ended_us = 0
+        self._holds: dict[Member, _Hold] = {}
+        self._late: dict[Member, _Hold] = {}
+        """Those that report a touch which is over for the others."""
+        self._took_part: set[Member] = set()
+        self._vanished: NodeEvent | None = None
+
+    @property
+    def holders(self) -> set[Member]:
+        """Which nodes' pointers touch now, as part of the open touch."""
+        return set(self._holds)
+
+    def knows(self, member: Member) -> bool:
+        """Whether the down of a member's present touch was seen."""
+        return member in self._holds or member in self._late
+
+    def down(
+        self, member: Member, event: NodeEvent, share: float, *, discovered: bool
+    ) -> list[Change]:
+        """Note a down; `share`: the member's part of the weight of all."""
+        hold = _Hold(event, discovered)
+        again = member in self._took_part
+        same = not again and event.time_us - self._began_us <= SAME_US and self.count > 0
+        if not self.touching:
+            if same:
+                self._late[member] = hold
+                self._took_part.add(member)
+                return []
+            return [self._open({member: hold})]
+        if same or discovered or share < SURE_SHARE:
+            self._holds[member] = hold
+            self._took_part.add(member)
+            self._vanished = None
+            return []
+        self._late |= self._holds  # they have not noticed the end of the touch before
+        return [self._close(event), self._open({member: hold})]
+
+    def up(
+        self, member: Member, event: NodeEvent, *, vanished: bool = False, returns: bool = False
+    ) -> list[Change]:
+        """Note an up; `vanished`: its pointer is gone; `returns`: another node may see it soon."""
+        if self._late.pop(member, None) or self._holds.pop(member, None) is None:
+            return []
+        if self._holds:
+            return [] if vanished or not self._is_next_touch(event) else self._split(event)
+        if vanished and returns:
+            self._vanished = event
+            return []
+        return [self._close(event)]
+
+    def drop(self, member: Member, event: NodeEvent) -> list[Change]:
+        """Forget a member; a touch that it alone held ends."""
+        self._late.pop(member, None)
+        held = self._holds.pop(member, None) is not None
+        return [self._close(event)] if held and not self._holds else []
+
+    def settle(self, now_us: int) -> list[Change]:
+        """Decide what has waited long enough."""
+        changes: list[Change] = []
+        if self._vanished is not None and now_us - self._vanished.time_us > RETURN_US:
+            changes.append(self._close(self._vanished))
+        if self._late and now_us - self._ended_us > SAME_US:
+            late, self._late = self._late, {}
+            if self.touching:
+                self._holds |= late
+            else:
+                changes.append(self._open(late))
+        return changes
+
+    def end(self, event: NodeEvent) -> list[Change]:
+        """End the open touch, if there is one."""
+        self._holds.clear()
+        self._late.clear()
+        return [self._close(event)] if self.touching else []
+
+    def absorb(self, other: MergedTouches) -> None:
+        """Take over the parts of another pointer, which is the same finger."""
+        if self.touching:
+            self._holds |= other._holds
+        self._late |= other._late if self.touching else other._late | other._holds
+        self._took_part |= other._took_part
+
+    def _is_next_touch(self, up: NodeEvent) -> bool:
+        """Whether those that still touch have begun a touch after the one that ends."""
+        return all(
+            not hold.discovered
+            and hold.event.time_us >= up.time_us - ORDER_US
+            and hold.event.time_us - self._began_us > SAME_US
+            for hold in self._holds.values()
+        )
+
+    def _split(self, up: NodeEvent) -> list[Change]:
+        holds = dict(self._holds)
+        return [self._close(up), self._open(holds)]
+
+    def _open(self, holds: dict[Member, _Hold]) -> Change:
+        event = min((hold.event for hold in holds.values()), key=lambda each: each.time_us)
+        self.count += 1
+        self.touching = True
+        self._began_us = event.time_us
+        self._holds = dict(holds)
+        self._took_part = set(holds)
+        self._vanished = None
+        return Change("down", event, self.count)
+
+    def _close(self, event: NodeEvent) -> Change:
+        self.touching = False
+        self._ended_us = event.time_us
+        self._holds = {}
+        self._vanished = None
+        return Change("up", event, self.count)

@@ -1,0 +1,171 @@
+"""A finger on the canvas, over all nodes that see it."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+
+import halo_protocol as wire
+from halo_service.canvas.blend import Blend, velocity
+from halo_service.canvas.seen import Member, Place, Seen, Where
+from halo_service.canvas.touches import RETURN_US, MergedTouches
+from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch
+
+LEAST_PRESSURE = 0.02
+"""Of a touch, as the protocol has it."""
+DRAW = 0.1
+"""What is added to the share of the present finger or side, so that it stays."""
+NO_DIAGNOSTICS = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), *([math.nan] * 6))
+"""Written by replay, and unknown here."""
+
+
+class Track:
+    """One finger; its id and slot never change."""
+
+    def __init__(self, id: int, slot: int, seen: Seen) -> None:  # noqa: A002 - the wire's name
+        self.id, self.slot = id, slot
+        self.blend = Blend(seen)
+        self.touches = MergedTouches()
+        self.first_us: dict[Member, int] = {}
+        """Since when each member is seen."""
+        self.vanished_us: int | None = None
+        """Since when no node sees it; None: one does."""
+        self.side = Side.UNKNOWN
+        self.apart_us: dict[Member, int] = {}
+        """Since when a member is too far from the others."""
+        self._pressure = LEAST_PRESSURE
+        self.finger = _finger(seen.pointer.finger)
+
+    @property
+    def members(self) -> dict[Member, Seen]:
+        """The reports of all nodes that see it."""
+        return self.blend.seen
+
+    @property
+    def nodes(self) -> set[Where]:
+        """The surfaces on which it is seen."""
+        return {where for where, _ in self.members}
+
+    def place_mm(self, time_us: int) -> Place:
+        """Return where it is at a time."""
+        return self.blend.place_mm(time_us)
+
+    def update(self, seen: Seen) -> None:
+        """Note a newer report of a node."""
+        self.vanished_us = None
+        self.blend.update(seen)
+        self.first_us.setdefault(seen.member, seen.time_us)
+
+    def remove(self, member: Member, time_us: int) -> None:
+        """End a node's report."""
+        self.blend.remove(member, time_us)
+        self.first_us.pop(member, None)
+        self.apart_us.pop(member, None)
+        if not self.members:
+            self.vanished_us = time_us
+
+    def is_over(self, time_us: int) -> bool:
+        """Whether no node has seen it for so long that it is gone."""
+        return self.vanished_us is not None and time_us - self.vanished_us > RETURN_US
+
+    def decide_finger(self) -> None:
+        """Choose the finger that most weight says; what it was wins a draw."""
+        shares = defaultdict(float, {self.finger: DRAW})
+        for member, seen in self.members.items():
+            shares[_finger(seen.pointer.finger)] += self.blend.share(member)
+        self.finger = max(shares, key=lambda each: shares[each])
+
+    def pointer(self, time_us: int) -> Pointer:
+        """Return it as it is sent, at a time."""
+        touching = self.touches.touching
+        x_mm, y_mm = self.place_mm(time_us)
+        vx_mm_s, vy_mm_s = velocity(self.blend, time_us)
+        return Pointer(
+            id=self.id,
+            slot=self.slot,
+            side=self.side,
+            finger=self.finger,
+            state=Touch.TOUCH if touching else Touch.HOVER,
+            x_mm=x_mm,
+            y_mm=y_mm,
+            hover_mm=0.0 if touching else self._hover_mm(time_us),
+            pressure=self._touch_pressure(time_us) if touching else 0.0,
+            force_g=self._force_g(time_us),
+            vx_mm_s=vx_mm_s,
+            vy_mm_s=vy_mm_s,
+            confidence=self.blend.best().pointer.confidence,
+            contacts=self.touches.count,
+            diagnostics=NO_DIAGNOSTICS,
+        )
+
+    def _hover_mm(self, time_us: int) -> float:
+        in_air = {member for member, each in self.members.items() if not each.pointer.touching}
+        mean_mm = self.blend.mean(lambda each: each.pointer.hover_mm, in_air, time_us)
+        return _known(mean_mm, self.blend.best().pointer.hover_mm)
+
+    def _touch_pressure(self, time_us: int) -> float:
+        """Return the pressure; the last one while no node sees the touch."""
+        holders = self.touches.holders
+        mean = self.blend.mean(lambda each: each.pointer.pressure, holders, time_us)
+        self._pressure = max(_known(mean, self._pressure), LEAST_PRESSURE)
+        return self._pressure
+
+    def _force_g(self, time_us: int) -> float:
+        """Return the force by the nodes that measure it; -1 where none does."""
+        measured = {
+            member
+            for member, each in self.members.items()
+            if each.pointer.force_g >= 0.0
+            and (member in self.touches.holders or not self.touches.touching)
+        }
+        mean_g = self.blend.mean(lambda each: each.pointer.force_g, measured, time_us)
+        return _known(mean_g, -1.0)
+
+
+def decide_sides(tracks: Iterable[Track]) -> None:
+    """Give all fingers of one hand the same side.
+
+    Fingers that one node sees on one side belong together, and so do all nodes' reports of one
+    finger: what is connected in this way is one hand. Where that would give a hand a finger twice,
+    a node has confused the sides, and each finger has the side that most weight says.
+    """
+    for hand in _hands(list(tracks)):
+        fingers = [each.finger for each in hand]
+        groups = [hand] if len(set(fingers)) == len(fingers) else [[each] for each in hand]
+        for group in groups:
+            side = _side(group)
+            for each in group:
+                each.side = side
+
+
+def _hands(tracks: list[Track]) -> list[list[Track]]:
+    hands: list[tuple[set[tuple[Where, int]], list[Track]]] = []
+    for track in tracks:
+        seen_as = {(where, seen.pointer.hand) for (where, _), seen in track.members.items()}
+        seen_as = {each for each in seen_as if each[1] != Side.UNKNOWN}
+        joined = [hand for hand in hands if hand[0] & seen_as]
+        hands = [hand for hand in hands if not hand[0] & seen_as]
+        names = seen_as.union(*(hand[0] for hand in joined))
+        hands.append((names, [*(each for hand in joined for each in hand[1]), track]))
+    return [members for _, members in hands]
+
+
+def _side(tracks: list[Track]) -> Side:
+    shares: defaultdict[Side, float] = defaultdict(float)
+    for track in tracks:
+        shares[track.side] += DRAW
+        for member, seen in track.members.items():
+            if seen.pointer.hand in (Side.LEFT, Side.RIGHT):
+                shares[Side(seen.pointer.hand)] += track.blend.share(member)
+    shares.pop(Side.UNKNOWN, None)
+    return max(shares, key=lambda each: shares[each], default=Side.UNKNOWN)
+
+
+def _finger(number: int) -> Finger:
+    """Return the finger; a number of a later protocol version counts as an index finger."""
+    return Finger(number) if number in wire.Finger._value2member_map_ else Finger.INDEX
+
+
+def _known(value: float, otherwise: float) -> float:
+    return otherwise if math.isnan(value) else value

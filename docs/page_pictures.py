@@ -19,7 +19,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "record", "log")
+VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "nodes", "record", "log")
 LOOKS = {
     "light": {"viewport": {"width": 1280, "height": 860}, "color_scheme": "light"},
     "dark": {"viewport": {"width": 1280, "height": 860}, "color_scheme": "dark"},

@@ -28,6 +28,8 @@ LOOK_S = 1.5
 """Time in which services answer."""
 ANSWER_MS = 1000
 """The same for one service that was found by mDNS."""
+MOST_NAMES = 1000
+"""Announcements that are remembered; any program can send more."""
 
 
 class Service(NamedTuple):
@@ -66,23 +68,41 @@ def _cells(service: Service) -> tuple[str, ...]:
     return node, surface, f"{rate_hz:g} Hz", by, address
 
 
-def _by_mdns() -> list[Service]:
-    names: set[str] = set()
+class MdnsSearch:
+    """Finds what is announced, until it is closed."""
 
-    def note(zeroconf: Zeroconf, service_type: str, name: str, state_change: object) -> None:
+    def __init__(self) -> None:
+        """Start to search. Raises `UserError` where mDNS cannot be used."""
+        self._names: set[str] = set()
+        try:
+            self._browser = Zeroconf(interfaces=InterfaceChoice.All, ip_version=IPVersion.V4Only)
+        except OSError as error:
+            raise UserError(
+                f"mdns: cannot look for services ({error.strerror or error})"
+            ) from error
+        ServiceBrowser(self._browser, OSC, handlers=[self._note])
+
+    def services(self) -> list[Service]:
+        """Ask what was found who it is; takes a second for each that does not answer."""
+        infos = [self._browser.get_service_info(OSC, name, ANSWER_MS) for name in list(self._names)]
+        return [each for info in infos if info and (each := _service(info)) is not None]
+
+    def close(self) -> None:
+        """End the search."""
+        self._browser.close()
+
+    def _note(self, zeroconf: Zeroconf, service_type: str, name: str, state_change: object) -> None:
         del zeroconf, service_type
-        if state_change is not ServiceStateChange.Removed:
-            names.add(name)
+        if state_change is ServiceStateChange.Removed:
+            self._names.discard(name)
+        elif len(self._names) < MOST_NAMES:
+            self._names.add(name)
 
-    try:
-        browser = Zeroconf(interfaces=InterfaceChoice.All, ip_version=IPVersion.V4Only)
-    except OSError as error:
-        raise UserError(f"mdns: cannot look for services ({error.strerror or error})") from error
-    with closing(browser):
-        ServiceBrowser(browser, OSC, handlers=[note])
+
+def _by_mdns() -> list[Service]:
+    with closing(MdnsSearch()) as search:
         time.sleep(LOOK_S)
-        infos = [browser.get_service_info(OSC, name, ANSWER_MS) for name in list(names)]
-    return [each for info in infos if info and (each := _service(info)) is not None]
+        return search.services()
 
 
 def _service(info: ServiceInfo) -> Service | None:

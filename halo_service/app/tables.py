@@ -23,12 +23,13 @@ def print_tables(*tables: Table, plain: str | None = None) -> None:
     if sys.stdout.isatty():
         from rich.console import Console
 
-        Console(file=sys.stdout).print(*map(_ruled, tables), sep="\n")
+        Console(file=sys.stdout).print(*map(ruled, tables), sep="\n")
     else:
         print("\n\n".join(map(as_text, tables)) if plain is None else plain, flush=True)
 
 
-def _ruled(table: Table) -> RichTable:
+def ruled(table: Table) -> RichTable:
+    """Return a table as a terminal shows it."""
     from rich import box
     from rich.table import Table as RichTable
     from rich.text import Text

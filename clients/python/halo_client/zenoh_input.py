@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Self
 
@@ -30,6 +31,9 @@ _MOST_LEFT = 1024
 """Nodes that are remembered after they left."""
 
 
+Subscribe = Callable[[zenoh.Session], list[zenoh.Subscriber[None]]]
+
+
 class ZenohInput:
     """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open.
 
@@ -37,7 +41,9 @@ class ZenohInput:
     until then, so that `receive` never waits for an address, and this is logged once.
     """
 
-    def __init__(self, source: ZenohSource) -> None:
+    def __init__(self, source: ZenohSource, subscribe: Subscribe | None = None) -> None:
+        """`subscribe`: declares other subscribers in the session instead of those of `source`."""
+        self._subscribe = subscribe or self._subscribe_to_source
         self._ring = Ring()
         self.left: frozenset[str] = frozenset()
         """Nodes that had a liveliness token and have none; replaced whole by Zenoh's thread."""
@@ -81,9 +87,12 @@ class ZenohInput:
     def _opened(self) -> tuple[zenoh.Session, list[zenoh.Subscriber[None]]]:
         """Open a session and subscribe. Raises `ZError`."""
         session = zenoh.open(zenoh_config(self._source))
+        return session, self._subscribe(session)
+
+    def _subscribe_to_source(self, session: zenoh.Session) -> list[zenoh.Subscriber[None]]:
         follow = self._source.follow
         key = zenoh_key(follow.node, follow.surface, ANY)
-        return session, [
+        return [
             session.declare_subscriber(key, self._store),
             session.declare_subscriber(_OTHERS, self._store_foreign),
             session.liveliness().declare_subscriber(

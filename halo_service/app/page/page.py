@@ -9,6 +9,7 @@ import webbrowser
 import segno
 
 from halo_service.app.page.camera_calls import CameraCalls
+from halo_service.app.page.node_calls import NodeCalls
 from halo_service.app.page.observer import PageObserver
 from halo_service.app.page.output_calls import OutputCalls
 from halo_service.app.page.parts import PageRequest, Parts
@@ -53,6 +54,7 @@ class ControlPage:
         )
         records = RecordCalls(source, self.observer, lambda: self._wizard.running)
         self._records = records
+        self._nodes = NodeCalls(settings.zenoh)
         self.observer.about_source = lambda: {
             "source": source.kind,
             "recording": records.replayed,
@@ -72,6 +74,7 @@ class ControlPage:
             **changes.table(),
             **self._wizard.table(),
             **CameraCalls().table(),
+            **self._nodes.table(),
         }
         self.server.on_join = self.observer.greet
         self.server.on_message = self._wizard.screen.take
@@ -97,5 +100,6 @@ class ControlPage:
         self._pictures.close()
         self._records.close()
         self._outputs.close()
+        self._nodes.close()
         self.server.close()
         self.observer.close()

@@ -23,7 +23,7 @@ FOLDER = Path(__file__).parent
 HALO = Path(sys.executable).with_name("halo")
 SOURCE = "sim:demo,mode=NFOV_2X2BINNED"
 """A quarter of the pixels: the page is as before, and the camera costs less."""
-VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "record", "log")
+VIEWS = ("guide", "live", "setup", "settings", "profiles", "outputs", "nodes", "record", "log")
 STEPS = ("camera", "background", "touch", "sweep", "projector", "anchor", "surface", "verify")
 START_S, STEP_MS = 90.0, 300_000
 """Patience with a busy machine."""

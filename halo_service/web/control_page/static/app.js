@@ -10,6 +10,7 @@ const VIEWS = {
   settings: "Settings",
   profiles: "Profiles",
   outputs: "Outputs",
+  nodes: "Nodes",
   record: "Record",
   log: "Log",
 };

@@ -6,7 +6,6 @@ second, whatever its rate.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -19,13 +18,12 @@ from halo_service.app.fleet.node import (
     with_collisions,
     with_mismatches,
 )
+from halo_service.canvas.clocks import Clock
 
 GONE_S = 30.0
 """How long a node that has gone is shown."""
 MOST_NODES = 2000
 """Sessions that are remembered; beyond, the one that was quiet for longest is removed."""
-CLOCK_SAMPLES = 30
-"""Healths, one a second, over which the shortest way is searched."""
 FOREIGN = "other"
 """Session of a node of another major version, whose messages cannot be read."""
 
@@ -44,7 +42,7 @@ class _Seen:
     health: wire.Health | None = None
     major: str = ""
     """Only of a node of another major version."""
-    ahead_ms: deque[float] = field(default_factory=lambda: deque(maxlen=CLOCK_SAMPLES))
+    clock: Clock = field(default_factory=Clock)
 
 
 class Fleet:
@@ -77,7 +75,7 @@ class Fleet:
                 seen.health = message
                 if message.time_s:
                     sent_us = message.time_s * 1_000_000 + message.time_frac_us
-                    seen.ahead_ms.append((sent_us - unix_us) / 1000)
+                    seen.clock.arrived(sent_us, unix_us)
 
     def token(self, key: str, *, alive: bool, now_s: float) -> None:
         """Note that a node's liveliness token came or went."""
@@ -155,7 +153,7 @@ class Fleet:
             collision=bool(scene and scene.collision),
             fps=health.fps if health else None,
             latency_ms=health.latency_ms if health and health.latency_ms >= 0.0 else None,
-            clock_ms=max(seen.ahead_ms, default=None),
+            clock_ms=_ahead_ms(seen.clock, health),
             camera=_word(wire.Camera, health.camera) if health else "",
             profile_fit=_word(wire.ProfileFit, health.profile_fit) if health else "",
         )
@@ -164,6 +162,13 @@ class Fleet:
         if quiet_s <= LOST_S:
             return "running"
         return "silent" if node in self._tokens else "gone"
+
+
+def _ahead_ms(clock: Clock, health: wire.Health | None) -> float | None:
+    """Return the node's clock minus this machine's; too small by the shortest delay of the way."""
+    if clock.fit is None or health is None:
+        return None
+    return -clock.fit.delay_at(health.time_s * 1_000_000) / 1000
 
 
 def key_major() -> str:

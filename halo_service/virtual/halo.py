@@ -153,7 +153,8 @@ class HaloCurve:
         return self._power(force_g) / self._power(FIRM_G)
 
     def _power(self, force_g: float) -> float:
-        grown = (force_g / self.press_g) ** self.press_power
+        # Rounding can leave a force a little below 0, and a power of that is no number.
+        grown = (max(force_g, 0.0) / self.press_g) ** self.press_power
         return 1.0 - float(np.exp(-grown)) if self.press_saturates else float(grown)
 
 

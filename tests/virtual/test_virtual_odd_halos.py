@@ -98,6 +98,7 @@ def test_a_press_is_a_power_of_the_force_or_levels_off(power):
     assert np.diff(np.log(grown)) / np.diff(np.log(forces)) == pytest.approx(np.full(4, power))
     assert grown[-1] == pytest.approx(1.0) == pytest.approx(saturating.press(385.0))
     assert saturating.press(200.0) > straight.press(200.0)
+    assert straight.press(-1e-15) == 0.0  # what rounding leaves of a force that ends
     deep = [depth(saturating, 0.0, force) for force in forces]
     assert np.diff(deep).min() > 0.0
 

@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from halo_service.app.hand_detector import HandDetector
-from halo_service.app.virtual_user.cache import cached_profile
-from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.evaluation.study.sense import FrameSequence
 from halo_service.outputs.jsonl import frame_line
+from halo_service.profile import Profile
 from halo_service.runtime.method import OURS
 from halo_service.runtime.replay import replay
 from halo_service.settings import Settings
@@ -33,6 +32,7 @@ latency of the live service."""
 
 def node_stream(
     request: SimRequest,
+    profile: Profile,
     settings: Settings,
     node: str,
     seconds: float,
@@ -40,10 +40,9 @@ def node_stream(
 ) -> Iterator[dict[str, Any]]:
     """Yield a line of `halo replay` for each frame of one camera, with `arrived_us`.
 
-    Raises `UserError` if the camera cannot be calibrated.
+    `profile`: of this camera; `advance` is called for each frame.
     """
     room = request.room
-    profile = cached_profile(room, settings, virtual_profile)
     recording = SimulatedRecording(request, seconds, colour=False, whole_ms=False)
     rng = np.random.default_rng([*room.noise_seed, 8])
 

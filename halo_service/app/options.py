@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from halo_client import ZenohSource
     from halo_service.settings import Settings
 
 SOURCES = (
@@ -113,4 +114,28 @@ def with_outputs(settings: Settings, options: argparse.Namespace) -> Settings:
         tuio=replace(tuio, destinations=tuple(options.tuio or tuio.destinations)),
         web=replace(web, enabled=web.enabled and not options.no_web),
         control=replace(control, port=port),
+    )
+
+
+def add_connect(parser: argparse.ArgumentParser, several: str) -> None:
+    """Add `--connect`; `several`: what is done with more than one."""
+    parser.add_argument(
+        "--connect",
+        action="append",
+        metavar="ENDPOINT",
+        help=f"router or service, {several} (default: [zenoh] connect, or tcp/127.0.0.1:7447); may "
+        "be repeated",
+    )
+
+
+def zenoh_source(settings: Settings, connect: list[str] | None, mode: str = "") -> ZenohSource:
+    """Return where nodes are received; `connect`: of the command line, `mode`: of the session."""
+    from halo_client import ZenohSource
+    from halo_client.source import DEFAULT_ZENOH_ENDPOINT
+    from halo_service.files import from_home
+
+    config = str(from_home(settings.zenoh.config)) if settings.zenoh.config else ""
+    default = () if config else (DEFAULT_ZENOH_ENDPOINT,)
+    return ZenohSource(
+        tuple(connect or settings.zenoh.connect or default), mode=mode, config=config
     )

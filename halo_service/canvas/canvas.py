@@ -30,6 +30,8 @@ class Node:
     clock: Clock = field(default_factory=Clock)
     time_us: int = 0
     """Of its last frame, on the canvas's clock."""
+    sent_us: int = 0
+    """The same on its own clock."""
     frames: int = 0
     missed: int = 0
     incomplete: int = 0
@@ -70,22 +72,23 @@ class Canvas:
         node.frames += 1
         node.missed += frame.missed
         node.incomplete += not frame.complete
+        node.sent_us = frame.time_us
         node.time_us = max(node.clock.arrived(frame.time_us, arrival_us), node.time_us + 1)
         self._guess_size(node.area, frame)
         self._fusion.receive(_on_canvas(node, frame))
         due = self.pace.arrived(where, arrival_us, len(frame.pointers))
-        return self._frame(arrival_us) if due or self._fusion.has_news else None
+        return self.frame(arrival_us) if due or self._fusion.has_news else None
 
     def lost(self, where: Where, now_us: int) -> TouchFrame | None:
         """Forget what a node reported: it is silent, or has ended."""
         if where not in self.nodes or not self.nodes[where].session:
             return None
         self._forget(where, now_us)
-        return self._frame(now_us)
+        return self.frame(now_us)
 
     def tick(self, now_us: int) -> TouchFrame | None:
         """Return a frame where none was sent for long."""
-        return self._frame(now_us) if self.pace.is_idle(now_us) else None
+        return self.frame(now_us) if self.pace.is_idle(now_us) else None
 
     def _forget(self, where: Where, now_us: int) -> None:
         """End a session; the next one starts with a clock of its own."""
@@ -94,7 +97,8 @@ class Canvas:
         self.pace.lose(where)
         node.session, node.clock, node.time_us = "", Clock(node.clock.latency_us), 0
 
-    def _frame(self, now_us: int) -> TouchFrame:
+    def frame(self, now_us: int) -> TouchFrame:
+        """Return a frame of what is there now."""
         newest_us = max(each.time_us for each in self.nodes.values())
         if self.pace.is_idle(now_us):
             newest_us = max(newest_us, now_us - self._lag_us)

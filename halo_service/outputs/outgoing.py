@@ -29,6 +29,8 @@ class OutgoingFrame:
     """New and repeated ones."""
     ups: tuple[wire.Up, ...]
     max_bytes: int = wire.MAX_BUNDLE
+    named_only: bool = False
+    """A copy for those who name its surface: others would have each finger twice."""
     kind: ClassVar[str] = "frame"
 
     @cached_property
@@ -74,6 +76,8 @@ class OutgoingReport:
 
     surface: str
     message: Reported
+    named_only: bool = False
+    """As of a frame."""
 
     @property
     def kind(self) -> str:

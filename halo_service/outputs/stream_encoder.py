@@ -21,6 +21,8 @@ class StreamEncoder:
         """Return what to send instead; None for another surface, or a frame that is not due."""
         if self._stream.surface not in ("", outgoing.surface):
             return None
+        if outgoing.named_only and not self._stream.surface:
+            return None
         if self._throttle is None or not isinstance(outgoing, OutgoingFrame):
             return outgoing
         return self._throttle.take(outgoing)

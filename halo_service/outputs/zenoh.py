@@ -7,6 +7,7 @@ scene, homography and pose get the latest one.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 import zenoh
 
@@ -21,27 +22,32 @@ RETAINED = ("scene", "homography", "pose")
 
 
 class ZenohOutput:
-    """An embedded Zenoh peer that publishes one surface of one node."""
+    """An embedded Zenoh peer that publishes one node."""
 
     def __init__(
-        self, settings: ZenohSettings, node: str, surface: str, names: NameWatch | None = None
+        self,
+        settings: ZenohSettings,
+        node: str,
+        surface: str,
+        names: NameWatch | None = None,
+        copies: Sequence[str] = (),
     ) -> None:
         """Open the peer; `names` gets the scenes that others publish under this node's name.
 
-        Raises `UserError` when it cannot listen or connect.
+        `copies`: names of further surfaces. Raises `UserError` when it cannot listen or connect.
         """
         self._session, self._connections = open_session(settings, "peer")
-        self._last: dict[str, bytes] = {}
-        self._publishers: dict[str, zenoh.Publisher] = {}
-        for kind in ZENOH_KINDS:
-            key = wire.zenoh_key(node, surface, kind)
-            self._publishers[kind] = self._session.declare_publisher(
-                key,
-                congestion_control=zenoh.CongestionControl.DROP,
-                priority=zenoh.Priority.REAL_TIME if kind == "frame" else zenoh.Priority.DATA,
-                express=True,
-            )
-        self._queryables = [self._answer(wire.zenoh_key(node, surface, k), k) for k in RETAINED]
+        self._last: dict[tuple[str, str], bytes] = {}
+        self._publishers = {
+            (each, kind): self._publisher(wire.zenoh_key(node, each, kind), kind)
+            for each in (surface, *copies)
+            for kind in ZENOH_KINDS
+        }
+        self._queryables = [
+            self._answer(wire.zenoh_key(node, each, kind), (each, kind))
+            for each in (surface, *copies)
+            for kind in RETAINED
+        ]
         self._others = None if names is None else self._subscribe_to_others(node, names)
         self._token = self._session.liveliness().declare_token(wire.liveliness_key(node))
 
@@ -52,10 +58,11 @@ class ZenohOutput:
 
     def send(self, outgoing: Outgoing) -> None:
         """Put each datagram as one sample."""
+        where = outgoing.surface, outgoing.kind
         if outgoing.kind in RETAINED:
-            self._last[outgoing.kind] = outgoing.datagrams[-1]
+            self._last[where] = outgoing.datagrams[-1]
         for datagram in outgoing.datagrams:
-            self._publishers[outgoing.kind].put(datagram)
+            self._publishers[where].put(datagram)
 
     def close(self) -> None:
         """Undeclare everything, then close: closing first can hang."""
@@ -77,9 +84,17 @@ class ZenohOutput:
         key = wire.zenoh_key(node, wire.ANY, "scene")
         return self._session.declare_subscriber(key, look, allowed_origin=zenoh.Locality.REMOTE)
 
-    def _answer(self, key: str, kind: str) -> zenoh.Queryable[None]:
+    def _publisher(self, key: str, kind: str) -> zenoh.Publisher:
+        return self._session.declare_publisher(
+            key,
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.REAL_TIME if kind == "frame" else zenoh.Priority.DATA,
+            express=True,
+        )
+
+    def _answer(self, key: str, where: tuple[str, str]) -> zenoh.Queryable[None]:
         def reply(query: zenoh.Query) -> None:
-            retained = self._last.get(kind)
+            retained = self._last.get(where)
             if retained is not None:
                 query.reply(key, retained)
 

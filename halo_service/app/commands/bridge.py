@@ -5,9 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from halo_service.app.options import add_config, add_outputs, settings_from, with_outputs
+from halo_service.app.options import (
+    add_config,
+    add_connect,
+    add_outputs,
+    settings_from,
+    with_outputs,
+    zenoh_source,
+)
 from halo_service.errors import UserError
-from halo_service.files import from_home
 
 if TYPE_CHECKING:
     from halo_client import Follow
@@ -19,13 +25,7 @@ EXAMPLE = "halo bridge --connect tcp/192.168.1.10:7447 --osc 127.0.0.1:7000/flat
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_config(parser)
-    parser.add_argument(
-        "--connect",
-        action="append",
-        metavar="ENDPOINT",
-        help="router or service, the first that answers is used (default: [zenoh] connect, or "
-        "tcp/127.0.0.1:7447); may be repeated",
-    )
+    add_connect(parser, "the first that answers is used")
     parser.add_argument(
         "--node",
         action="append",
@@ -40,15 +40,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the bridge until Ctrl-C."""
     settings = with_outputs(settings_from(options), options)
     follows = _follows(options.node or [])
-    from halo_client import ZenohSource
-    from halo_client.source import DEFAULT_ZENOH_ENDPOINT
     from halo_service.app.bridge.run import bridge
 
-    config = str(from_home(settings.zenoh.config)) if settings.zenoh.config else ""
-    default = () if config else (DEFAULT_ZENOH_ENDPOINT,)
-    connect = tuple(options.connect or settings.zenoh.connect or default)
     # A router passes nothing from one peer to another, so the bridge is its client.
-    bridge(settings, follows, ZenohSource(connect, mode="client", config=config))
+    bridge(settings, follows, zenoh_source(settings, options.connect, "client"))
     return 0
 
 

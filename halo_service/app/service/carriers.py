@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from halo_service.settings import Settings
 
 if TYPE_CHECKING:
     from halo_service.outputs.zenoh import ZenohOutput
+    from halo_service.web.announcement import Announcement
     from halo_service.web.server import WebServer
 
 
@@ -27,14 +29,19 @@ def destinations(settings: Settings) -> list[Destination]:
 
 
 def zenoh_output(
-    settings: Settings, names: NameWatch, surface: str, stack: ExitStack
+    settings: Settings,
+    names: NameWatch,
+    surface: str,
+    stack: ExitStack,
+    copies: Sequence[str] = (),
 ) -> list[ZenohOutput]:
-    """Open the Zenoh session; empty where it is off."""
+    """Open the Zenoh session; empty where it is off. `copies`: names of further surfaces."""
     if not settings.zenoh.enabled:
         return []
     from halo_service.outputs.zenoh import ZenohOutput
 
-    return [stack.enter_context(closing(ZenohOutput(settings.zenoh, names.node, surface, names)))]
+    output = ZenohOutput(settings.zenoh, names.node, surface, names, copies)
+    return [stack.enter_context(closing(output))]
 
 
 def answer_hellos(control: ControlPort, leases: Leases) -> list[Destination]:
@@ -66,3 +73,15 @@ def web_server(
     )
     stack.callback(server.close)
     return server
+
+
+def announce(
+    settings: Settings, names: NameWatch, web: WebServer | None, control: ControlPort, **facts: str
+) -> Announcement:
+    """Announce the ports by mDNS, each where its host can be reached; `facts`: text entries."""
+    from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port
+
+    ports = [Port(OSC, settings.control.host, control.port)]
+    if web is not None:
+        ports.append(Port(OSCQUERY, settings.web.host, web.port))
+    return Announcement(names, ports, facts)

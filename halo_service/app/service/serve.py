@@ -14,7 +14,7 @@ from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.page.parts import PageRequest, Parts
 from halo_service.app.process import stop_on_signals
 from halo_service.app.progress import progress
-from halo_service.app.service.carriers import destinations, web_server, zenoh_output
+from halo_service.app.service.carriers import announce, destinations, web_server, zenoh_output
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.fit_watcher import FitWatcher
 from halo_service.app.service.profile_reloader import ProfileReloader
@@ -46,8 +46,6 @@ from halo_service.values import Frame
 if TYPE_CHECKING:
     from halo_service.app.page.page import ControlPage
     from halo_service.virtual.room import Room
-    from halo_service.web.announcement import Announcement
-    from halo_service.web.server import WebServer
 
 log = logging.getLogger(__name__)
 
@@ -141,7 +139,7 @@ def serve(
             web.nodes = handler.nodes
         if settings.web.announce:
             facts = {"surface": surface, "rate_hz": f"{source.camera.fps:g}"}
-            stack.callback(_announce(settings, names, web, control, **facts).close)
+            stack.callback(announce(settings, names, web, control, **facts).close)
         stop_on_signals(loop.stop)
         log.info("settings: %s", settings_from)
         if page is not None:
@@ -221,17 +219,6 @@ def _page(
     page = ControlPage(parts, request, publisher)
     stack.callback(page.close)
     return page
-
-
-def _announce(
-    settings: Settings, names: NameWatch, web: WebServer | None, control: ControlPort, **facts: str
-) -> Announcement:
-    from halo_service.web.announcement import OSC, OSCQUERY, Announcement, Port
-
-    ports = [Port(OSC, settings.control.host, control.port)]
-    if web is not None:
-        ports.append(Port(OSCQUERY, settings.web.host, web.port))
-    return Announcement(names, ports, facts)
 
 
 def _log_start(

@@ -1,0 +1,165 @@
+"""Hands what threads receive of nodes to the canvas, and what it returns to the publisher.
+
+Rule: one lock around the canvas and its outputs, so that frames leave in their order. No frame
+waits in a queue: the thread that received it also sends.
+"""
+
+from __future__ import annotations
+
+import logging
+import statistics
+import threading
+from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+
+import halo_protocol as wire
+from halo_service.app.canvas.publisher import CanvasPublisher
+from halo_service.canvas.canvas import Canvas
+from halo_service.canvas.layout import Layout
+from halo_service.canvas.reports import NodeReports, Own, clock_sentence
+from halo_service.canvas.seen import Where
+from halo_service.host_clock import CLOCK
+from halo_service.runtime.memory import memory_mb
+from halo_service.values import TouchFrame
+
+log = logging.getLogger(__name__)
+
+SCENE_US, HEALTH_US = 500_000, 1_000_000
+CLOCKS_US = 60_000_000
+"""How often the clocks of the nodes are logged, and first after a sixth of it."""
+COPIES = 3
+"""Last frames, without pointers: each carries the last `up`."""
+
+
+class Merger:
+    """The canvas, shared by the threads that follow its nodes."""
+
+    def __init__(self, layout: Layout, publisher: CanvasPublisher) -> None:
+        self._lock = threading.Lock()
+        self._canvas = Canvas(layout)
+        self._publisher = publisher
+        self._reports = dict.fromkeys(self._canvas.nodes, NodeReports())
+        self._waiting_us: deque[int] = deque(maxlen=wire.MAX_EVENTS)
+        self._late_ms: deque[float] = deque(maxlen=wire.MAX_EVENTS)
+        self._sent_us: deque[int] = deque(maxlen=wire.MAX_EVENTS)
+        self._scene_us = self._health_us = 0
+        self._clocks_us: int | None = None
+        self.ends = False
+        """Set before the nodes are closed, so that they are not logged as lost."""
+
+    def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
+        """Note what arrived of one node; from any thread."""
+        if not events:
+            return
+        with self._lock:
+            for event, following in pairwise([*events, None]):
+                if isinstance(event, wire.Report):
+                    self._note(where, event.message)
+                elif isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
+                    now_us = CLOCK.unix_us()
+                    self._waiting_us.append(now_us)
+                    self._send(self._canvas.arrived(event, now_us))
+                elif isinstance(event, wire.Lost):
+                    self._lose(where, event.session)
+
+    def turn(self) -> None:
+        """Send what is due; a few times a second."""
+        with self._lock:
+            now_us = CLOCK.unix_us()
+            self._send(self._canvas.tick(now_us))
+            if now_us - self._scene_us >= SCENE_US:
+                self._scene_us = now_us
+                self._send_scene()
+            if now_us - self._health_us >= HEALTH_US:
+                self._health_us = now_us
+                self._publisher.health(self._own(), list(self._reports.values()))
+            if self._clocks_us is None:
+                self._clocks_us = now_us - CLOCKS_US * 5 // 6
+            if now_us - self._clocks_us >= CLOCKS_US:
+                self._clocks_us = now_us
+                self._log_clocks()
+
+    def welcome(self) -> None:
+        """Send the reports, for a client that is new."""
+        with self._lock:
+            self._send_scene()
+
+    def end(self) -> None:
+        """Send frames without pointers, so that none stays at a client."""
+        with self._lock:
+            for where in self._canvas.nodes:
+                self._send(self._canvas.lost(where, CLOCK.unix_us()))
+            for _ in range(COPIES):
+                self._send(self._canvas.frame(CLOCK.unix_us()))
+
+    def status(self) -> list[str]:
+        """Return a sentence for each node: what arrived of it, and what was lost."""
+        with self._lock:
+            return [
+                f"{'/'.join(where)}: {node.frames} frames arrived, {node.missed} missed, "
+                f"{node.incomplete} incomplete"
+                for where, node in self._canvas.nodes.items()
+            ]
+
+    def _note(
+        self, where: Where, message: wire.Scene | wire.Homography | wire.Pose | wire.Health
+    ) -> None:
+        known = self._reports[where]
+        if isinstance(message, wire.Scene):
+            if known.scene is None:
+                log.info(
+                    "%s is there: %.0f x %.0f mm",
+                    "/".join(where),
+                    message.width_mm,
+                    message.height_mm,
+                )
+            self._reports[where] = NodeReports(message, known.health)
+            self._canvas.scene(where, message)
+        elif isinstance(message, wire.Health):
+            self._reports[where] = NodeReports(known.scene, message)
+            self._canvas.health(where, message)
+
+    def _lose(self, where: Where, session: str) -> None:
+        """Forget a node, unless a newer session of it has begun."""
+        if self._canvas.nodes[where].session == session:
+            if self._reports[where].scene is not None and not self.ends:
+                log.info("%s is lost; its touches are ended", "/".join(where))
+            self._reports[where] = NodeReports()
+            self._send(self._canvas.lost(where, CLOCK.unix_us()))
+
+    def _send(self, frame: TouchFrame | None) -> None:
+        if frame is None:
+            return
+        self._publisher.frame(frame)
+        now_us = CLOCK.unix_us()
+        self._sent_us.append(now_us)
+        self._late_ms += [(now_us - each) / 1000.0 for each in self._waiting_us]
+        self._waiting_us.clear()
+
+    def _send_scene(self) -> None:
+        nodes = list(self._reports.values())
+        self._publisher.scene(self._own(), nodes, self._canvas.pace.rate_hz)
+
+    def _own(self) -> Own:
+        nodes = self._canvas.nodes.values()
+        newest_us = self._sent_us[-1] if self._sent_us else 0
+        recent = [each for each in self._sent_us if newest_us - each <= HEALTH_US]
+        span_s = (newest_us - recent[0]) / 1e6 if recent else 0.0
+        return Own(
+            self._publisher.node,
+            self._publisher.session,
+            fps=(len(recent) - 1) / span_s if span_s > 0.0 else 0.0,
+            latency_ms=statistics.median(self._late_ms) if self._late_ms else -1.0,
+            missed=sum(each.missed for each in nodes),
+            incomplete=sum(each.incomplete for each in nodes),
+            restarts=sum(each.clock.restarts for each in nodes),
+            memory_mb=memory_mb(),
+            zenoh_missing=self._publisher.zenoh_missing(),
+        )
+
+    def _log_clocks(self) -> None:
+        for where, node in self._canvas.nodes.items():
+            if node.clock.fit is not None:
+                latency_us = node.clock.latency_us
+                log.info("%s", clock_sentence(where, node.clock.fit, latency_us, node.sent_us))

@@ -1,0 +1,155 @@
+"""Runs a canvas: a thread for each of its nodes, all outputs, a port for clients that ask."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import socket
+import threading
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from functools import partial
+
+import halo_protocol as wire
+from halo_client import ClientError, Follow, ZenohSource
+from halo_client.zenoh_input import ZenohInput
+from halo_service.app.canvas.merger import Merger
+from halo_service.app.canvas.publisher import CanvasPublisher
+from halo_service.app.following import Following
+from halo_service.app.process import stop_on_signals
+from halo_service.app.service.carriers import (
+    announce,
+    answer_hellos,
+    destinations,
+    web_server,
+    zenoh_output,
+)
+from halo_service.canvas.layout import Layout, PlacedSurface
+from halo_service.errors import UserError
+from halo_service.host_clock import CLOCK
+from halo_service.outputs import Carrier
+from halo_service.outputs.control import ControlPort
+from halo_service.outputs.destination import Destination
+from halo_service.outputs.frame_encoder import FrameEncoder
+from halo_service.outputs.leases import Leases
+from halo_service.outputs.name_watch import NameWatch
+from halo_service.outputs.osc import OscOutput
+from halo_service.settings import Settings
+
+log = logging.getLogger(__name__)
+
+LOCAL = ("127.0.0.1", 7447)
+"""Where Zenoh listens by default."""
+TURN_S = 0.05
+"""How often clients that ask for the stream are answered."""
+
+
+def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> None:
+    """Serve the canvas on the outputs of the settings until Ctrl-C or SIGTERM.
+
+    `source`: the network of the nodes. Raises `UserError`.
+    """
+    check(settings, layout)
+    settings = _with_free_port(settings)
+    wanted = destinations(settings)  # a wrong one ends the command before anything is opened
+    session = f"s{secrets.token_hex(4)}"
+    stopped = threading.Event()
+    stop_on_signals(stopped.set)
+    with ExitStack() as stack:
+        control = ControlPort(settings.control.host, settings.control.port)
+        stack.callback(control.close)
+        names = NameWatch(settings.node, session)
+        osc = stack.enter_context(closing(OscOutput(wanted)))
+        web = web_server(settings, names, control, stack)
+        copies = [layout.surface_name(each) for each in layout.projector if each.name]
+        zenoh = zenoh_output(settings, names, layout.name, stack, copies)
+        carriers: list[Carrier] = [osc, *zenoh, *([web] if web else [])]
+        first = wire.first_frame(CLOCK.unix_us())
+        frames = FrameEncoder(
+            settings.node, session, first, settings.osc.max_bytes, settings.osc.again_ms
+        )
+        publisher = CanvasPublisher(
+            layout, frames, carriers, names, control.port, lambda: sum(z.missing for z in zenoh)
+        )
+        merger = Merger(layout, publisher)
+        stack.callback(_end, merger)
+        for placed in layout.surface:
+            stack.callback(followed(placed, source, merger).close)
+        if settings.web.announce:
+            facts = {"surface": layout.name, "rate_hz": "30"}
+            stack.callback(announce(settings, names, web, control, **facts).close)
+        log.info("canvas '%s' of node %s: %s", layout.name, settings.node, _size(layout))
+        log.info("zenoh from %s: %s", ", ".join(source.connect) or source.config, _nodes(layout))
+        log.info("osc to %s", ", ".join(map(str, wanted)) or "off")
+        log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
+        log.info("ready: run 'halo monitor' to see it; Ctrl-C ends")
+        leases = Leases(settings.node, session, settings.control.networks)
+        leased: list[Destination] = []
+        while not stopped.wait(TURN_S):
+            before, leased = leased, answer_hellos(control, leases)
+            osc.set_leased(leased)
+            if any(each not in before for each in leased):
+                merger.welcome()
+            merger.turn()
+        merger.ends = True
+
+
+def check(settings: Settings, layout: Layout) -> None:
+    """Refuse what cannot be served. Raises `UserError`."""
+    try:
+        wire.check_name(settings.node, "node")
+        for each in [layout.name, *map(layout.surface_name, layout.projector)]:
+            wire.check_surface(each)
+    except wire.ProtocolError as error:
+        raise UserError(f"canvas: {error}; change its name in the layout, or --node") from error
+    if any(each.node == settings.node for each in layout.surface):
+        raise UserError(
+            f"canvas: node '{settings.node}' is in the layout, so the canvas would receive itself; "
+            "choose another name for the canvas with --node"
+        )
+
+
+def _with_free_port(settings: Settings) -> Settings:
+    """Let Zenoh listen on a free port where the usual one is in use and the user named none."""
+    if settings.zenoh.listen or settings.zenoh.config or _is_free(*LOCAL):
+        return settings
+    log.info("zenoh: port %d is in use, so the canvas listens on a free one", LOCAL[1])
+    return replace(settings, zenoh=replace(settings.zenoh, listen=(f"tcp/{LOCAL[0]}:0",)))
+
+
+def _is_free(host: str, port: int) -> bool:
+    """Whether a TCP port can be opened."""
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError:
+            return False
+        return True
+
+
+def followed(placed: PlacedSurface, source: ZenohSource, merger: Merger) -> Following:
+    """Follow one surface from now on."""
+    follow = Follow(placed.node, placed.surface)
+    try:
+        opened = ZenohInput(replace(source, follow=follow))
+    except ClientError as error:
+        raise UserError(f"canvas: {error}") from error
+    where = (placed.node, placed.surface)
+    following = Following(opened, follow, partial(merger.handle, where), "canvas")
+    following.start()
+    return following
+
+
+def _end(merger: Merger) -> None:
+    merger.end()
+    for sentence in merger.status():
+        log.info("%s", sentence)
+
+
+def _size(layout: Layout) -> str:
+    return f"{layout.width_mm:g} x {layout.height_mm:g} mm"
+
+
+def _nodes(layout: Layout) -> str:
+    return ", ".join(f"{each.node}/{each.surface}" for each in layout.surface)

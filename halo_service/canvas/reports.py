@@ -1,0 +1,126 @@
+"""What a canvas reports of itself, from what its nodes report.
+
+Rule: pure. A client reads one scene and one health, so each field is that of the weakest node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import halo_protocol as wire
+from halo_service.canvas.clocks import ClockFit
+from halo_service.canvas.layout import CanvasProjector, Layout
+from halo_service.canvas.seen import Where
+
+REVISION = 1
+"""A layout does not change while the canvas runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeReports:
+    """The latest reports of one node; None: not received, or the node is gone."""
+
+    scene: wire.Scene | None = None
+    health: wire.Health | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Own:
+    """What the canvas measures itself."""
+
+    node: str
+    session: str
+    fps: float
+    latency_ms: float
+    """Median from a node's frame to the canvas's that holds it; -1 if unknown."""
+    missed: int
+    incomplete: int
+    restarts: int
+    """Of nodes' clocks."""
+    memory_mb: int
+    zenoh_missing: int
+
+
+def scene(
+    own: Own,
+    layout: Layout,
+    nodes: Collection[NodeReports],
+    rate_hz: float,
+    control_port: int,
+    collision: bool,
+) -> wire.Scene:
+    """Return the scene of the canvas; its `rate_hz` is that of the fastest node."""
+    scenes = [each.scene for each in nodes if each.scene is not None]
+    complete = len(scenes) == len(nodes)
+    return wire.Scene(
+        own.node,
+        own.session,
+        wire.VERSION,
+        layout.width_mm,
+        layout.height_mm,
+        min((each.calibration for each in scenes), default=0) if complete else min(1, len(scenes)),
+        REVISION,
+        max((each.source for each in scenes), default=wire.Source.CAMERA),
+        max((each.rate_hz for each in scenes), default=rate_hz),
+        control_port,
+        int(collision),
+        min((each.calibrated_s for each in scenes), default=0),
+    )
+
+
+def homography(own: Own, projector: CanvasProjector) -> wire.Homography:
+    """Return where a projector's picture is on the canvas."""
+    return wire.Homography(
+        own.node,
+        own.session,
+        REVISION,
+        projector.width_px,
+        projector.height_px,
+        tuple(float(each) for each in projector.matrix.ravel()),
+    )
+
+
+def health(own: Own, nodes: Collection[NodeReports]) -> wire.Health:
+    """Return the health of the canvas."""
+    healths = [each.health for each in nodes if each.health is not None]
+    lost = len(healths) < len(nodes)
+    trackers = [each.tracker for each in healths]
+    cameras = [each.camera for each in healths]
+    fits = [each.profile_fit for each in healths]
+    return wire.Health(
+        own.node,
+        own.session,
+        own.fps,
+        own.latency_ms,
+        own.missed,
+        own.incomplete,
+        wire.Tracker.FAILED if wire.Tracker.FAILED in trackers else max(trackers, default=0),
+        wire.Camera.LOST if lost or wire.Camera.LOST in cameras else max(cameras, default=0),
+        max((each.tracker_ms for each in healths), default=-1.0),
+        own.restarts,
+        0.0,
+        max(fits, default=0) if any(each > wire.ProfileFit.GOOD for each in fits) or lost
+        else min(fits, default=0),
+        own.zenoh_missing,
+        sum(each.write_errors for each in healths),
+        own.memory_mb,
+        max((each.load for each in healths), default=0),
+        min((each.looks_hz for each in healths), default=-1.0),
+    )  # fmt: skip
+
+
+def clock_sentence(where: Where, fit: ClockFit, latency_us: float, now_us: int) -> str:
+    """Say how far a node's clock is off, and how well that is measured."""
+    behind_ms = (fit.delay_at(now_us) - latency_us) / 1000.0
+    word = "behind" if behind_ms >= 0.0 else "ahead"
+    return (
+        f"{'/'.join(where)}: its clock is {abs(behind_ms):.1f} ms {word} "
+        f"(+- {fit.deviation_us / 1000.0:.1f} ms, and the shortest way here is a part of it), and "
+        f"drifts by {-fit.drift * 1e6:.0f} ppm (+- {max(fit.drift_deviation * 1e6, 1.0):.0f})"
+    )
+
+
+def missing(nodes: Mapping[Where, NodeReports]) -> list[str]:
+    """Return the names of surfaces that are not there."""
+    return ["/".join(where) for where, each in nodes.items() if each.scene is None]

@@ -92,16 +92,23 @@ class ZenohInput:
     def _subscribe_to_source(self, session: zenoh.Session) -> list[zenoh.Subscriber[None]]:
         follow = self._source.follow
         key = zenoh_key(follow.node, follow.surface, ANY)
-        return [
+        subscribers = [
             session.declare_subscriber(key, self._store),
             session.declare_subscriber(_OTHERS, self._store_foreign),
             session.liveliness().declare_subscriber(
                 liveliness_key(follow.node), self._note, history=True
             ),
         ]
+        # The latest scene, homography and pose at once; they come twice a second anyway.
+        session.get(key, self._store_reply, timeout=_RETRY_S)
+        return subscribers
 
     def _store(self, sample: zenoh.Sample) -> None:
         self._ring.put(sample.payload.to_bytes(), str(sample.key_expr))
+
+    def _store_reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            self._store(reply.ok)
 
     def _store_foreign(self, sample: zenoh.Sample) -> None:
         if str(sample.key_expr).split("/")[:2] != _OWN:

@@ -1,0 +1,160 @@
+"""Wi-Fi, cut links, late laptops, no multicast, commands: recipes of docs/networks.md."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.networks.lab import Air, Lab, Network, Program
+from tests.networks.page import Recipe, recipe
+from tests.networks.watching import arrive, frames, waited
+
+pytestmark = pytest.mark.long
+
+HERE = Path(__file__).parent
+WIFI = Air(loss=0.05, delay_s=0.002, jitter_s=0.006)
+CUT = Air(cut=True)
+CUT_S = 4.0
+"""Longer than the 3 s after which a silent link is closed."""
+
+
+def one_network(lab: Lab, **further: str) -> Network:
+    """The table, the laptop and more."""
+    return lab.network("eth0", table="192.168.10.10/24", laptop="192.168.10.20/24", **further)
+
+
+def publisher(lab: Lab, page: Recipe, seconds: float) -> Program:
+    """Ten fingers that tap on the table, which publishes by the page's file; `go` starts them."""
+    page.write(lab)
+    program = lab.machines["table"].start(
+        "python", HERE / "publisher.py", "halo.toml", str(seconds)
+    )
+    program.wait_for("ready")
+    return program
+
+
+def listener(lab: Lab, page: Recipe, seconds: float) -> Program:
+    """A client on the laptop, at the address of the page's command."""
+    url = page.commands["laptop"][0][3]
+    program = lab.machines["laptop"].start("python", HERE / "listener.py", url, str(seconds))
+    program.wait_for("ready")
+    return program
+
+
+@dataclass
+class Result:
+    """What was sent and received."""
+
+    sent: set[tuple[int, ...]]
+    downs: list[tuple[int, ...]]
+    ups: set[tuple[int, ...]]
+    late_ms: list[float]
+    longest_gap_s: float
+    known_s: float
+
+    def __str__(self) -> str:
+        count = len(self.late_ms)
+        return (
+            f"{len(self.sent)} touches sent, {len(self.sent & set(self.downs))} received, "
+            f"{len(self.stuck)} stuck; {count} frames, late {self.late_ms[count // 2]:.0f} ms at "
+            f"the median, {self.late_ms[count * 99 // 100]:.0f} ms at 99 %"
+        )
+
+    @property
+    def stuck(self) -> set[tuple[int, ...]]:
+        """Touches that began and never ended."""
+        return set(self.downs) - self.ups
+
+
+def result(publisher: Program, listener: Program, within_s: float) -> Result:
+    """Wait for the end of both."""
+    sent = json.loads(publisher.ended(within_s).splitlines()[-1])
+    got = json.loads(listener.ended(within_s).splitlines()[-1])
+    sent, downs, ups = ([tuple(each) for each in some] for some in (sent, got["downs"], got["ups"]))
+    return Result(set(sent), downs, set(ups), got["late_ms"], got["longest_gap_s"], got["known_s"])
+
+
+def test_a_wifi_that_loses_5_percent_loses_no_touch_and_leaves_none_stuck(lab: Lab) -> None:
+    network = one_network(lab)
+    page = recipe("Wi-Fi that loses packets")
+    publishing = publisher(lab, page, 5.0)
+    listening = listener(lab, page, 7.0)
+    time.sleep(0.5)  # the subscription arrives
+    network.air = WIFI
+    publishing.go()
+    got = result(publishing, listening, 30.0)
+    print(f"\n{100 * network.lost / (network.lost + network.passed):.1f} % lost: {got}")
+    assert network.lost > 10
+    assert set(got.downs) == got.sent
+    assert len(got.downs) == len(got.sent), "each once"
+    assert not got.stuck
+
+
+def test_after_a_link_was_cut_everything_resumes_and_no_touch_is_stuck(lab: Lab) -> None:
+    network = one_network(lab)
+    page = recipe("A laptop that joins late")
+    publishing = publisher(lab, page, CUT_S + 3.0)
+    listening = listener(lab, page, CUT_S + 5.0)
+    publishing.go()
+    time.sleep(1.0)
+    network.air = CUT
+    time.sleep(CUT_S)
+    network.air = Air()
+    got = result(publishing, listening, 30.0)
+    print(f"\ncut for {CUT_S} s: {got}; longest time without a frame {got.longest_gap_s:.1f} s")
+    assert not got.stuck
+    assert len(got.downs) == len(set(got.downs)), "no touch comes twice"
+    # 25 touches a second: those of the cut are lost, and those of at most 2 s after it.
+    assert len(got.sent - set(got.downs)) < 25 * (CUT_S + 2.0)
+
+
+def test_a_laptop_that_joins_late_has_scene_homography_and_pose_within_a_second(lab: Lab) -> None:
+    one_network(lab)
+    page = recipe("A laptop that joins late")
+    publishing = publisher(lab, page, 2.0)
+    publishing.go()
+    time.sleep(0.7)
+    got = result(publishing, listener(lab, page, 1.0), 30.0)
+    print(f"\nscene, homography and pose after {got.known_s:.2f} s")
+    assert 0.0 < got.known_s < 1.0
+
+
+def test_without_multicast_a_named_address_is_enough(lab: Lab) -> None:
+    network = one_network(lab)
+    network.air = Air(multicast=False)
+    page = recipe("No multicast")
+    page.files["table", "halo.toml"] += "multicast = true\n"
+    page.write(lab)
+    page.start(lab, "table").wait_for("ready")
+    laptop = lab.machines["laptop"]
+    silent = laptop.start("halo", "monitor", "--from", "zenoh://?multicast=on", "--json")
+    arrive(page.start(lab, "laptop", 0, "--json"))
+    assert "desk" in laptop.run("halo", "list").stdout
+    assert frames(silent) == []
+    network.air = Air()  # and with multicast it is found
+    arrive(silent)
+
+
+def test_only_the_named_machine_may_send_commands(
+    lab: Lab, external_program: Callable[[str], str]
+) -> None:
+    """A whole service with the virtual camera, which no test pattern replaces here."""
+    command = recipe("Who may control").commands["operator"][0]
+    oscsend = external_program(command[0])
+    one_network(lab, operator="192.168.10.30/24")
+    page = recipe("Who may control")
+    page.write(lab)
+    service = lab.machines["table"].start("halo", "serve", "--no-page")
+    service.wait_for("ready", 90.0)
+    monitor = recipe("A laptop that joins late").start(lab, "laptop", 0, "--json")
+    waited(lambda: any(each["pointers"] for each in frames(monitor)), 30.0)
+    lab.machines["laptop"].run(oscsend, *command[1:])
+    service.wait_for("its host is not in [control] networks")
+    waited(lambda: frames(monitor)[-1]["pointers"], 10.0)
+    lab.machines["operator"].run(oscsend, *command[1:])
+    waited(lambda: all(not each["pointers"] for each in frames(monitor)[-30:]), 10.0)

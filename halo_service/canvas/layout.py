@@ -109,6 +109,19 @@ def load(path: Path) -> Layout:
     return layout
 
 
+def text(layout: Layout) -> str:
+    """Return a layout without projectors as its file has it."""
+    lines = [
+        f'name = "{layout.name}"',
+        f"width_mm = {layout.width_mm}",
+        f"height_mm = {layout.height_mm}",
+    ]
+    for each in layout.surface:
+        lines += ["", "[[surface]]", f'node = "{each.node}"', f'surface = "{each.surface}"']
+        lines += [f"x_mm = {each.x_mm}", f"y_mm = {each.y_mm}", f"angle_deg = {each.angle_deg}"]
+    return "\n".join([*lines, ""])
+
+
 def _errors(layout: Layout) -> Iterator[str]:
     """Yield what is wrong with values that are right on their own."""
     if not layout.surface:

@@ -62,14 +62,15 @@ class Area:
 
     def __init__(self, placed: PlacedSurface) -> None:
         self.where: Where = (placed.node, placed.surface)
-        self._canvas_from_surface = placed.canvas_from_surface
-        self._surface_from_canvas = np.linalg.inv(self._canvas_from_surface)
+        self.canvas_from_surface = placed.canvas_from_surface
+        """(3, 3), mm."""
+        self._surface_from_canvas = np.linalg.inv(self.canvas_from_surface)
         self.size_mm: Place | None = None
 
     def seen(self, pointer: wire.Pointer, time_us: int) -> Seen:
         """Return a pointer of this surface on the canvas."""
-        place_mm = mapped(self._canvas_from_surface, (pointer.x_mm, pointer.y_mm))
-        velocity = self._canvas_from_surface[:2, :2] @ (pointer.vx_mm_s, pointer.vy_mm_s)
+        place_mm = mapped(self.canvas_from_surface, (pointer.x_mm, pointer.y_mm))
+        velocity = self.canvas_from_surface[:2, :2] @ (pointer.vx_mm_s, pointer.vy_mm_s)
         edge_mm = self.inside_mm(place_mm)
         deviation_mm = PLACE_MM / min(max(pointer.confidence, LEAST_CONFIDENCE), 1.0)
         deviation_mm *= 1.0 + EDGE_TIMES * math.exp(-max(edge_mm, -OUTSIDE_MM) / EDGE_MM)
@@ -86,7 +87,7 @@ class Area:
     def event(self, event: wire.Down | wire.Up, frame_us: int) -> NodeEvent:
         """Return an event of this surface on the canvas; `frame_us`: of its frame."""
         width_mm, height_mm = self.size_mm or (0.0, 0.0)
-        place_mm = mapped(self._canvas_from_surface, (event.u * width_mm, event.v * height_mm))
+        place_mm = mapped(self.canvas_from_surface, (event.u * width_mm, event.v * height_mm))
         strike = event.strike_mm_s if isinstance(event, wire.Down) else wire.UNKNOWN_STRIKE
         return NodeEvent(frame_us - round(event.ago_ms * 1000.0), place_mm, strike)
 
@@ -104,7 +105,7 @@ class Area:
             return []
         w, h = self.size_mm
         corners = ((0.0, 0.0), (w, 0.0), (w, h), (0.0, h))
-        return [mapped(self._canvas_from_surface, each) for each in corners]
+        return [mapped(self.canvas_from_surface, each) for each in corners]
 
 
 def mapped(matrix: Matrix, place_mm: Place) -> Place:

@@ -6,6 +6,7 @@ import logging
 import secrets
 import socket
 import threading
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
@@ -24,7 +25,7 @@ from halo_service.app.service.carriers import (
     web_server,
     zenoh_output,
 )
-from halo_service.canvas.layout import Layout, PlacedSurface
+from halo_service.canvas.layout import Layout
 from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
@@ -74,7 +75,9 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
         merger = Merger(layout, publisher)
         stack.callback(_end, merger)
         for placed in layout.surface:
-            stack.callback(followed(placed, source, merger).close)
+            where = (placed.node, placed.surface)
+            handle = partial(merger.handle, where)
+            stack.callback(followed(Follow(*where), source, handle).close)
         if settings.web.announce:
             facts = {"surface": layout.name, "rate_hz": "30"}
             stack.callback(announce(settings, names, web, control, **facts).close)
@@ -128,15 +131,15 @@ def _is_free(host: str, port: int) -> bool:
         return True
 
 
-def followed(placed: PlacedSurface, source: ZenohSource, merger: Merger) -> Following:
-    """Follow one surface from now on."""
-    follow = Follow(placed.node, placed.surface)
+def followed(
+    follow: Follow, source: ZenohSource, handle: Callable[[list[wire.Event]], None]
+) -> Following:
+    """Follow one surface from now on. Raises `UserError`."""
     try:
         opened = ZenohInput(replace(source, follow=follow))
     except ClientError as error:
         raise UserError(f"canvas: {error}") from error
-    where = (placed.node, placed.surface)
-    following = Following(opened, follow, partial(merger.handle, where), "canvas")
+    following = Following(opened, follow, handle, "canvas")
     following.start()
     return following
 

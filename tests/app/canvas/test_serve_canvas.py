@@ -9,12 +9,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import halo_client
 import halo_protocol as wire
+from halo_client import Follow
 from halo_client.source import ZenohSource
 from halo_service.app.canvas.merger import Merger
 from halo_service.app.canvas.publisher import CanvasPublisher
@@ -194,7 +196,9 @@ def test_a_router_that_is_killed_and_restarted_leaves_no_finger_and_brings_all_b
     publisher = CanvasPublisher(layout, FrameEncoder("hall", "s1", 0), [kept], names, 0, lambda: 0)
     merger = Merger(layout, publisher)
     for placed in layout.surface:
-        stack.callback(followed(placed, ZenohSource((endpoint,)), merger).close)
+        where = (placed.node, placed.surface)
+        handle = partial(merger.handle, where)
+        stack.callback(followed(Follow(*where), ZenohSource((endpoint,)), handle).close)
     number = 0
 
     def turn() -> None:

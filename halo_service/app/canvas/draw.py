@@ -1,0 +1,74 @@
+"""`halo canvas draw`: a picture of what nodes and canvas report for some seconds."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import cv2
+
+import halo_protocol as wire
+from halo_client import Follow, ZenohSource
+from halo_service.app.canvas.run import followed
+from halo_service.canvas.canvas import Canvas
+from halo_service.canvas.layout import Layout
+from halo_service.canvas.picture import Picture
+from halo_service.canvas.seen import Where
+from halo_service.errors import UserError
+from halo_service.files import appearing
+from halo_service.host_clock import CLOCK
+
+
+class Drawer:
+    """Merges what arrives, and draws it."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._lock = threading.Lock()
+        self._canvas = Canvas(layout)
+        self.picture = Picture(layout)
+
+    def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
+        """Note what arrived of one node; from any thread."""
+        with self._lock:
+            for event, following in pairwise([*events, None]):
+                if isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
+                    self._canvas.scene(where, event.message)
+                elif isinstance(event, wire.Report) and isinstance(event.message, wire.Health):
+                    self._canvas.health(where, event.message)
+                elif isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
+                    self.add(where, event, CLOCK.unix_us())
+
+    def add(self, where: Where, frame: wire.TouchFrame, arrival_us: int) -> None:
+        """Merge and draw a frame."""
+        merged = self._canvas.arrived(frame, arrival_us)
+        node = self._canvas.nodes[where]
+        self.picture.add_node(node.area, frame)
+        if merged is not None:
+            self.picture.add(merged)
+
+
+def draw(layout: Layout, source: ZenohSource, seconds: float, out: Path) -> None:
+    """Follow the nodes for some seconds, and write a PNG. Raises `UserError`."""
+    drawer = Drawer(layout)
+    with ExitStack() as stack:
+        for placed in layout.surface:
+            where = (placed.node, placed.surface)
+            handle = partial(drawer.handle, where)
+            stack.callback(followed(Follow(*where), source, handle).close)
+        time.sleep(seconds)
+    save(drawer.picture, out)
+
+
+def save(picture: Picture, out: Path) -> None:
+    """Write a PNG. Raises `UserError`."""
+    _, data = cv2.imencode(".png", picture.drawn())
+    try:
+        with appearing(out) as file:
+            file.write(data.tobytes())
+    except OSError as error:
+        raise UserError(f"{out} cannot be written ({error.strerror})") from error

@@ -20,6 +20,7 @@ from zeroconf import (
 import halo_protocol as wire
 from halo_service.errors import UserError
 from halo_service.evaluation.report.table import Table
+from halo_service.files import from_home
 from halo_service.outputs.settings import LISTEN
 from halo_service.settings import Settings
 from halo_service.web.announcement import OSC
@@ -121,16 +122,18 @@ def _service(info: ServiceInfo) -> Service | None:
 
 def _by_zenoh(settings: Settings) -> list[Service]:
     """Ask every reachable service for its scene."""
-    config = zenoh.Config()
-    endpoints = settings.zenoh.connect or settings.zenoh.listen or LISTEN
-    for key, value in (
-        ("mode", "client" if not settings.zenoh.multicast else "peer"),
-        ("connect/endpoints", list(endpoints)),
-        ("connect/timeout_ms", round(LOOK_S * 1000)),
-        ("scouting/multicast/enabled", settings.zenoh.multicast),
-    ):
-        config.insert_json5(key, json.dumps(value))
+    path = settings.zenoh.config
+    endpoints = settings.zenoh.connect or (() if path else settings.zenoh.listen or LISTEN)
     try:
+        config = zenoh.Config.from_file(from_home(path)) if path else zenoh.Config()
+        for key, value in (
+            ("mode", "client" if not settings.zenoh.multicast else "peer"),
+            ("connect/endpoints", list(endpoints)),
+            ("connect/timeout_ms", round(LOOK_S * 1000)),
+            ("scouting/multicast/enabled", settings.zenoh.multicast),
+        ):
+            if value != []:  # the file names some
+                config.insert_json5(key, json.dumps(value))
         session = zenoh.open(config)
     except zenoh.ZError:
         return []  # nothing listens there

@@ -120,6 +120,8 @@ def test_with_tls_machines_without_our_certificate_are_refused_and_nothing_can_b
     elsewhere.mkdir()
     script = page.files["router", "certificates.sh"]
     assert lab.machines["laptop"].run("sh", "-c", f"cd elsewhere; {script}").returncode == 0
+    (lab.machines["laptop"].folder / "halo.toml").write_text(page.files["table", "halo.toml"])
+    assert "desk" in lab.machines["laptop"].run("halo", "list").stdout
     refused = [
         with_file(page, lab, "none.json5", ("connect_", "listen_")),
         with_file(page, lab, "plain.json5", ("tls/192", "tcp/192")),

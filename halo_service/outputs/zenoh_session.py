@@ -78,8 +78,11 @@ def _set(config: zenoh.Config, settings: ZenohSettings, mode: str) -> None:
     _fill(config, "connect/endpoints", settings.connect, ())
     _fill(config, "scouting/multicast/enabled", settings.multicast, False)
     _fill(config, "scouting/multicast/interface", None, multicast_interface())
-    # Else each service connects to all others of its router: 4950 links for 100 of them.
-    _fill(config, "scouting/gossip/autoconnect", None, {"router": [], "peer": ["router"]})
+    if mode != "router":
+        # Else each service hears of all others of its router and connects to them: 4950 links for
+        # 100 of them. And it would wait half a second for them at its start.
+        _fill(config, "scouting/gossip/enabled", settings.multicast, False)
+        _fill(config, "open/return_conditions/connect_scouted", settings.multicast, False)
     # Zenoh's own limit is 10 s for each address of a peer that cannot be reached.
     _fill(config, "transport/unicast/open_timeout", None, 1000)
     # A router that starts later, or again, is found soon.

@@ -45,7 +45,8 @@ const ROWS = Object.fromEntries(
     health:
       "node:s session:s fps:f latency_ms:f drops:i bad_frames:i tracker:i camera:i tracker_ms:f " +
       "clock_jumps:i clock_error_ms:f profile_fit:i zenoh_missing:i write_errors:i " +
-      "memory_mb:i load:i looks_hz:f time_s:i time_frac_us:i",
+      "memory_mb:i load:i looks_hz:f time_s:i time_frac_us:i nodes:i clock_offset_ms:f " +
+      "clock_deviation_ms:f",
   }).map(([kind, text]) => [kind, text.split(" ").map(field)]),
 );
 

@@ -30,8 +30,6 @@ class Node:
     clock: Clock = field(default_factory=Clock)
     time_us: int = 0
     """Of its last frame, on the canvas's clock."""
-    sent_us: int = 0
-    """The same on its own clock."""
     frames: int = 0
     missed: int = 0
     incomplete: int = 0
@@ -72,7 +70,6 @@ class Canvas:
         node.frames += 1
         node.missed += frame.missed
         node.incomplete += not frame.complete
-        node.sent_us = frame.time_us
         node.time_us = max(node.clock.arrived(frame.time_us, arrival_us), node.time_us + 1)
         self._guess_size(node.area, frame)
         self._fusion.receive(_on_canvas(node, frame))

@@ -79,6 +79,13 @@ class Clock:
         self.latency_us = latency_us
         """What the node itself needs from exposure to sending, as it reports."""
 
+    @property
+    def behind_us(self) -> float:
+        """Return how far the node's clock is behind, with the shortest time on the way."""
+        if self.fit is None or self._last_us is None:
+            return 0.0
+        return self.fit.delay_at(self._last_us) - self.latency_us
+
     def arrived(self, sent_us: int, arrival_us: int) -> int:
         """Note a frame; return its time on the canvas's clock.
 

@@ -5,7 +5,7 @@ Rule: pure. A client reads one scene and one health, so each field is that of th
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import halo_protocol as wire
@@ -40,6 +40,11 @@ class Own:
     """Of nodes' clocks."""
     memory_mb: int
     zenoh_missing: int
+    nodes: int
+    """That are there."""
+    clock_offset_ms: float
+    clock_deviation_ms: float
+    """Of the node whose clock is off most; 0 and -1 without a node."""
 
 
 def scene(
@@ -107,20 +112,17 @@ def health(own: Own, nodes: Collection[NodeReports]) -> wire.Health:
         own.memory_mb,
         max((each.load for each in healths), default=0),
         min((each.looks_hz for each in healths), default=-1.0),
+        nodes=own.nodes,
+        clock_offset_ms=own.clock_offset_ms,
+        clock_deviation_ms=own.clock_deviation_ms,
     )  # fmt: skip
 
 
-def clock_sentence(where: Where, fit: ClockFit, latency_us: float, now_us: int) -> str:
+def clock_sentence(where: Where, fit: ClockFit, behind_ms: float) -> str:
     """Say how far a node's clock is off, and how well that is measured."""
-    behind_ms = (fit.delay_at(now_us) - latency_us) / 1000.0
     word = "behind" if behind_ms >= 0.0 else "ahead"
     return (
         f"{'/'.join(where)}: its clock is {abs(behind_ms):.1f} ms {word} "
         f"(+- {fit.deviation_us / 1000.0:.1f} ms, and the shortest way here is a part of it), and "
         f"drifts by {-fit.drift * 1e6:.0f} ppm (+- {max(fit.drift_deviation * 1e6, 1.0):.0f})"
     )
-
-
-def missing(nodes: Mapping[Where, NodeReports]) -> list[str]:
-    """Return the names of surfaces that are not there."""
-    return ["/".join(where) for where, each in nodes.items() if each.scene is None]

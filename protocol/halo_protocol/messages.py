@@ -330,6 +330,12 @@ class Health:
     """When it was sent, by the clock of the frames' time; 0 if unknown."""
     time_frac_us: int = 0
     """Microseconds within the second, 0 to 999999."""
+    nodes: int = 0
+    """Surfaces of other services that a canvas merges now; 0 if it is none."""
+    clock_offset_ms: float = 0.0
+    """Of a canvas: how far a node's clock is behind its own, for the node that is off most."""
+    clock_deviation_ms: float = -1.0
+    """Standard deviation of that, without the shortest time on the way; -1 if unknown."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

@@ -159,6 +159,16 @@ REPORTS = [
         Health("desk", "s1", 24.5, 21.25, 57, 0, 3, 1, 180.5, 0, 0.0, 1, 0, 0, 412, 3, 4.75),
     ),
     ReportCase(
+        "health-canvas",
+        "A canvas merges two nodes; the clock of one is 5 s behind.",
+        replace(
+            Health("hall", "s1", 30.0, 0.25, 2, 0, 3, 1, 33.25),
+            nodes=2,
+            clock_offset_ms=5000.5,
+            clock_deviation_ms=0.25,
+        ),
+    ),
+    ReportCase(
         "health-camera-lost",
         "The camera is unplugged; latencies are unknown.",
         Health("desk", "s1", 0.0, -1.0, 2, 40, 0, 2, -1.0),

@@ -31,7 +31,7 @@ RELEASED = {
     "pose": "node session revision camera_from_surface anchor_from_surface anchored",
     "health": "node session fps latency_ms drops bad_frames tracker camera tracker_ms "
     "clock_jumps clock_error_ms profile_fit zenoh_missing write_errors memory_mb "
-    "load looks_hz time_s time_frac_us",
+    "load looks_hz time_s time_frac_us nodes clock_offset_ms clock_deviation_ms",
 }
 RELEASED_TAGS = {
     "frame": "ssiiiii",
@@ -42,7 +42,7 @@ RELEASED_TAGS = {
     "scene": "sssffiiifiiiss",
     "homography": "ssiiifffffffff",
     "pose": "ssi" + 24 * "f" + "i",
-    "health": "ssffiiiififiiiiifii",
+    "health": "ssffiiiififiiiiifiiiff",
 }
 
 rows = pytest.mark.parametrize("row", ROWS, ids=lambda row: row.kind)

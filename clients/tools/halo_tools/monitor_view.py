@@ -141,6 +141,7 @@ def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[s
             f"  camera {_word(Camera, health.camera)} · "
             f"hand tracker {_word(Tracker, health.tracker)}, {_ms(health.tracker_ms)} old"
             f"{_looks(health)}",
+            *_canvas(health),
         ]
     lines += [HEADINGS, *map(_pointer_line, frame.pointers)]
     if not frame.pointers:
@@ -150,6 +151,15 @@ def _stream_lines(stream: _Stream, known: KnownServices, now_s: float) -> list[s
 
 def _looks(health: Health) -> str:
     return f", looks {health.looks_hz:.0f} times a second" if health.looks_hz >= 0.0 else ""
+
+
+def _canvas(health: Health) -> list[str]:
+    if not health.nodes:
+        return []
+    clocks = f"clocks up to {abs(health.clock_offset_ms):.1f} ms off"
+    return [
+        f"  canvas of {health.nodes} surfaces · {clocks} (+- {health.clock_deviation_ms:.1f} ms)"
+    ]
 
 
 def _warnings(health: Health, scene: Scene | None) -> list[str]:

@@ -143,6 +143,8 @@ class Merger:
 
     def _own(self) -> Own:
         nodes = self._canvas.nodes.values()
+        there = [each.clock for each in nodes if each.session and each.clock.fit is not None]
+        worst = max(there, key=lambda each: abs(each.behind_us), default=None)
         newest_us = self._sent_us[-1] if self._sent_us else 0
         recent = [each for each in self._sent_us if newest_us - each <= HEALTH_US]
         span_s = (newest_us - recent[0]) / 1e6 if recent else 0.0
@@ -156,10 +158,13 @@ class Merger:
             restarts=sum(each.clock.restarts for each in nodes),
             memory_mb=memory_mb(),
             zenoh_missing=self._publisher.zenoh_missing(),
+            nodes=len(there),
+            clock_offset_ms=worst.behind_us / 1000.0 if worst else 0.0,
+            clock_deviation_ms=worst.fit.deviation_us / 1000.0 if worst and worst.fit else -1.0,
         )
 
     def _log_clocks(self) -> None:
         for where, node in self._canvas.nodes.items():
             if node.clock.fit is not None:
-                latency_us = node.clock.latency_us
-                log.info("%s", clock_sentence(where, node.clock.fit, latency_us, node.sent_us))
+                behind_ms = node.clock.behind_us / 1000.0
+                log.info("%s", clock_sentence(where, node.clock.fit, behind_ms))

@@ -97,6 +97,14 @@ def test_the_picture_says_loudly_what_is_wrong(changes: dict[str, Any], says: st
     assert "lost frames: 640 in the service" in text
 
 
+def test_a_canvas_says_how_many_surfaces_it_merges_and_how_far_clocks_are_off() -> None:
+    health = Health("desk", "s1", 29.5, 0.3, 0, 0, 3, 1, 33.0)
+    merged = replace(health, nodes=2, clock_offset_ms=-5000.5, clock_deviation_ms=0.25)
+    said = "canvas of 2 surfaces · clocks up to 5000.5 ms off (+- 0.2 ms)"
+    assert said in picture(frame(), scene=scene(0), health=merged)
+    assert "canvas" not in picture(frame(), scene=scene(0), health=health)
+
+
 def test_a_recordings_time_has_no_latency() -> None:
     assert "latency - (a recording's time)" in picture(frame(time_us=1), unix_us=10**15)
 

@@ -89,7 +89,9 @@ static class View
         Field("clock_error_ms", health.ClockErrorMs) + Word("profile_fit", health.ProfileFit) +
         Field("zenoh_missing", health.ZenohMissing) + Field("write_errors", health.WriteErrors) +
         Field("memory_mb", health.MemoryMb) + Word("load", health.Load) + Field("looks_hz", health.LooksHz) +
-        Field("time_s", health.TimeS) + Field("time_frac_us", health.TimeFracUs);
+        Field("time_s", health.TimeS) + Field("time_frac_us", health.TimeFracUs) +
+        Field("nodes", health.Nodes) + Field("clock_offset_ms", health.ClockOffsetMs) +
+        Field("clock_deviation_ms", health.ClockDeviationMs);
 
     static string Pointers(Growing<HaloPointer> pointers)
     {

@@ -105,7 +105,7 @@ namespace HaloTouch.Internal
 
         static void WriteHealth(JsonFields line, OscWriter into)
         {
-            into.Element(Address(line, "health"), ",ssffiiiififiiiiifii");
+            into.Element(Address(line, "health"), ",ssffiiiififiiiiifiiiff");
             Sender(line, into);
             Floats(line, into, "fps", "latency_ms");
             into.Int(line.Int("drops")).Int(line.Int("bad_frames"));
@@ -117,7 +117,9 @@ namespace HaloTouch.Internal
             into.Int(line.Int("write_errors")).Int(line.Int("memory_mb"));
             into.Int(line.Word<HaloLoad>("load"));
             Floats(line, into, "looks_hz");
-            into.Int(line.Int("time_s")).Int(line.Int("time_frac_us")).EndElement();
+            into.Int(line.Int("time_s")).Int(line.Int("time_frac_us")).Int(line.Int("nodes"));
+            Floats(line, into, "clock_offset_ms", "clock_deviation_ms");
+            into.EndElement();
         }
 
         static void Floats(JsonFields fields, OscWriter into, params string[] names)

@@ -60,11 +60,21 @@ namespace HaloTouch
         /// <summary>Microseconds within the second.</summary>
         public int TimeFracUs { get; }
 
+        /// <summary>Surfaces of other services that a canvas merges now; 0 if it is none.</summary>
+        public int Nodes { get; }
+
+        /// <summary>Of a canvas: the largest difference of a node's clock from its own.</summary>
+        public float ClockOffsetMs { get; }
+
+        /// <summary>Standard deviation of that; -1 if unknown.</summary>
+        public float ClockDeviationMs { get; }
+
         internal HaloHealth(
             string node, string session, float fps, float latencyMs, int drops, int badFrames,
             HaloTracker tracker, HaloCamera camera, float trackerMs, int clockJumps,
             float clockErrorMs, HaloProfileFit profileFit, int zenohMissing, int writeErrors,
-            int memoryMb, HaloLoad load, float looksHz, int timeS, int timeFracUs)
+            int memoryMb, HaloLoad load, float looksHz, int timeS, int timeFracUs,
+            int nodes, float clockOffsetMs, float clockDeviationMs)
         {
             Node = node;
             Session = session;
@@ -85,6 +95,9 @@ namespace HaloTouch
             LooksHz = looksHz;
             TimeS = timeS;
             TimeFracUs = timeFracUs;
+            Nodes = nodes;
+            ClockOffsetMs = clockOffsetMs;
+            ClockDeviationMs = clockDeviationMs;
         }
     }
 }

@@ -201,13 +201,14 @@ namespace HaloTouch.Internal
 
         void ReadHealth(ref OscReader reader, string surface, Datagram into)
         {
-            var further = reader.Tags(",ssffiiiififiiiiifii");
+            var further = reader.Tags(",ssffiiiififiiiiifiiiff");
             var found = new HaloHealth(
                 reader.Name(_names, NameKind.Node), reader.Name(_names, NameKind.Session),
                 reader.Float(), reader.Float(), reader.Int(), reader.Int(),
                 (HaloTracker)reader.Int(), (HaloCamera)reader.Int(), reader.Float(), reader.Int(),
                 reader.Float(), (HaloProfileFit)reader.Int(), reader.Int(), reader.Int(), reader.Int(),
-                (HaloLoad)reader.Int(), reader.Float(), reader.Int(), reader.Int());
+                (HaloLoad)reader.Int(), reader.Float(), reader.Int(), reader.Int(), reader.Int(),
+                reader.Float(), reader.Float());
             RequireEnd(ref reader, further);
             RequireTime(ref reader, found.TimeS, found.TimeFracUs);
             if (reader.Error == null) into.AddReport(ItemKind.Health, surface).Health = found;

@@ -20,6 +20,7 @@ from pathlib import Path
 os.environ["OMP_NUM_THREADS"] = "1"  # before the imports below: as the service has it
 
 import cv2
+from merging.picture import draw
 from merging.sensed import merged
 from merging.sensed_score import score
 
@@ -72,6 +73,8 @@ def main() -> int:
     parser.add_argument("--options", default="", help="more of the source, e.g. sync=none")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--wrong", action="store_true", help="list what went wrong")
+    parser.add_argument("--picture", type=Path, metavar="X.png", help="draw a part of it")
+    parser.add_argument("--span", type=float, nargs=2, default=(1.0, 28.0), help="that part, in s")
     options = parser.parse_args()
     name = f"sim:crossing,cameras={options.cameras},seed={options.seed}"
     name += f",{options.options}" if options.options else ""
@@ -85,7 +88,10 @@ def main() -> int:
     layout.write_text(layout_text(request))
     streams = [camera.stream for camera in cameras]
     frames, found = merged(layout, streams, request)
-    result = score(list(canvas_truth(request, options.seconds)), frames, found, request)
+    truth = list(canvas_truth(request, options.seconds))
+    if options.picture:
+        draw(options.picture, request, streams, frames, truth, tuple(options.span))
+    result = score(truth, frames, found, request)
     for title, figure in result.rows():
         print(f"{title:44}{figure:>14}")
     if options.wrong:

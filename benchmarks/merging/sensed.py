@@ -31,7 +31,7 @@ def merged(
 ) -> tuple[list[TouchFrame], list[Down]]:
     """Return the canvas's frames, and all downs that any node reported."""
     canvas, assembler = Canvas(load(layout)), wire.Assembler()
-    nodes = [_lines(path) for path in streams]
+    nodes = [lines_of(path) for path in streams]
     sent: list[TouchFrame] = []
     for node in canvas.nodes:
         canvas.scene(node, wire.Scene(node[0], "sim", wire.VERSION, *AREA_MM, 2, 1, 2, 30.0))
@@ -46,7 +46,8 @@ def merged(
     return sent, _downs(streams, request)
 
 
-def _lines(path: Path) -> Iterator[dict[str, Any]]:
+def lines_of(path: Path) -> Iterator[dict[str, Any]]:
+    """Yield the lines of a stream."""
     with path.open() as file:
         yield from map(json.loads, file)
 
@@ -56,7 +57,7 @@ def _downs(streams: Sequence[Path], request: SimRequest) -> list[Down]:
     clocks = clocks_of(request.room, request.scenario)
     for number, path in enumerate(streams, 1):
         matrix = request.room.place_of(number).canvas_from_surface
-        for line in _lines(path):
+        for line in lines_of(path):
             for event in line["events"]:
                 if event["kind"] == "down":
                     t_s = clocks[number].host_s(line["time_us"]) - event["ago_ms"] / 1e3

@@ -34,8 +34,8 @@ class Detector:
     rose: float = 0.0
     """How fast the level rose lately, in one frame: the most, fading."""
     was_apart: bool = True
-    """Whether it was ever seen apart from the surface: one that was found pressing must lift first,
-    because it is unknown when it came down."""
+    """Whether it was ever seen apart from the surface, or came in over its edge. One that was found
+    pressing in the middle must lift first, because it is unknown when it came down."""
 
 
 def detect(
@@ -44,10 +44,12 @@ def detect(
     time_us: int,
     speed_mm_s: float,
     settings: SensingSettings,
+    came_in: bool = False,
 ) -> Detector:
     """Advance a detector by one frame.
 
-    `before`: None for a finger that was just found; it does not touch until it comes down.
+    `before`: None for a finger that was just found; it does not touch until it comes down, or
+    `came_in`: it slides in over the surface's edge, maybe from another camera's surface.
     """
     if before is None:
         probability = contact_probability(seen, 0.0)
@@ -57,11 +59,12 @@ def detect(
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
     rose = before.rose * FADES**frames
     probability = contact_probability(seen, rise, rose)
+    apart = before.was_apart or came_in or probability < settings.down_level
     if before.touching:
         touching = probability >= settings.up_level
     else:
         still = speed_mm_s < settings.fast_mm_s
-        touching = before.was_apart and still and probability >= settings.down_level
+        touching = (before.was_apart or came_in) and still and probability >= settings.down_level
     changed = touching != before.touching
     return Detector(
         probability=probability,
@@ -72,7 +75,7 @@ def detect(
         if changed
         else 0,
         rose=max(rise, rose),
-        was_apart=before.was_apart or probability < settings.down_level,
+        was_apart=apart,
     )
 
 

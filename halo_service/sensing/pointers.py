@@ -48,6 +48,8 @@ EDGE_CONFIDENCE = 0.6
 tuning users four were right."""
 RANGE_HYSTERESIS_MM = 5.0
 """A pointer ends this much farther out than a new one starts, so that none flickers."""
+ENTRY_S = 0.1
+"""A finger that comes in over the edge is found so much later at most (chosen: three frames)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,16 @@ def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
     place = Place(time_us, now.x_mm, now.y_mm, now.hover_mm, top_mm)
     places = (*before.places, place)[-FITTED:]
     return Motion(places, _velocity(places))
+
+
+def came_over_edge(motion: Motion, surface: Surface) -> bool:
+    """Return whether a finger was outside the surface just before its oldest place."""
+    if not motion.places:
+        return False
+    first = motion.places[0]
+    vx_mm_s, vy_mm_s = motion.velocity_mm_s
+    x_mm, y_mm = first.x_mm - ENTRY_S * vx_mm_s, first.y_mm - ENTRY_S * vy_mm_s
+    return not (0.0 <= x_mm <= surface.width_mm and 0.0 <= y_mm <= surface.height_mm)
 
 
 def _velocity(places: Sequence[Place]) -> tuple[float, float]:

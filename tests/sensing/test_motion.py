@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from halo_service.sensing.pointers import FITTED, Motion, Place
+from halo_service.geometry.surface import Surface
+from halo_service.sensing.pointers import FITTED, Motion, Place, came_over_edge
 
 FRAME_US = 33_333
 
@@ -37,3 +39,24 @@ def test_an_unmeasured_upper_side_says_nothing_of_the_strike() -> None:
     heights = [20.0, 15.0, 10.0, 5.0]
     hidden = Motion(places(heights, [math.nan] * 4)).strike_mm_s(4 * FRAME_US)
     assert hidden == pytest.approx(150.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("xs", "velocity_mm_s", "came_in"),
+    [
+        ((), (0.0, 0.0), False),
+        ((-8.0,), (0.0, 0.0), True),
+        ((20.0, 30.0), (300.0, 0.0), True),
+        ((40.0, 50.0), (300.0, 0.0), False),
+        ((20.0, 20.0), (0.0, 0.0), False),
+        ((20.0, 10.0), (-300.0, 0.0), False),
+        ((290.0, 285.0), (-150.0, 0.0), True),
+    ],
+    ids=["new", "outside", "sliding in", "too far in", "at rest", "sliding out", "from the right"],
+)
+def test_a_finger_came_over_the_edge_if_it_was_outside_just_before(
+    xs: tuple[float, ...], velocity_mm_s: tuple[float, float], came_in: bool
+) -> None:
+    surface = Surface("table", 300.0, 200.0, np.eye(4))
+    moved = tuple(Place(n * FRAME_US, x, 90.0, 0.0, 14.0) for n, x in enumerate(xs))
+    assert came_over_edge(Motion(moved, velocity_mm_s), surface) is came_in

@@ -197,12 +197,14 @@ def test_no_evidence_decides_alone() -> None:
     assert contact_probability(Evidence(-99.0, 0.3, 0.0, 3.0), 0.0) < 0.5
 
 
-def levels(*values: float, speed_mm_s: float = 0.0, deviation: float = 0.3) -> list[Detector]:
+def levels(
+    *values: float, speed_mm_s: float = 0.0, deviation: float = 0.3, came_in: bool = False
+) -> list[Detector]:
     """Feed levels to a detector, one a frame."""
     detector, all_of_them = None, []
     for n, level in enumerate(values):
         seen = Evidence(level, deviation)
-        detector = detect(detector, seen, n * FRAME_US, speed_mm_s, SETTINGS)
+        detector = detect(detector, seen, n * FRAME_US, speed_mm_s, SETTINGS, came_in)
         all_of_them.append(detector)
     return all_of_them
 
@@ -232,6 +234,13 @@ def levels(*values: float, speed_mm_s: float = 0.0, deviation: float = 0.3) -> l
 )
 def test_the_detector(values: tuple[float, ...], touching: list[bool]) -> None:
     assert [detector.touching for detector in levels(*values)] == touching
+
+
+def test_a_finger_that_slides_in_over_the_edge_touches_at_once() -> None:
+    """It may come from the surface of another camera, where it came down."""
+    pressing = levels(1.0, 1.0, 1.0, -1.0, came_in=True)
+    assert [each.touching for each in pressing] == [False, True, True, False]
+    assert not any(each.touching for each in levels(0.1, 0.1, 0.1, came_in=True))
 
 
 def test_a_touch_begins_and_ends_at_the_probabilities_of_the_settings() -> None:

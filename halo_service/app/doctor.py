@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from halo_calibration.base_model import VIRTUAL, pilot_path
 from halo_protocol.osc import padded
@@ -51,7 +52,7 @@ def examine(settings: Settings) -> list[Finding]:
         _model,
         _profile,
         _base,
-        _control,
+        control_port,
         _zenoh,
     )
     return [_checked(check, settings) for check in checks]
@@ -65,19 +66,33 @@ def _checked(check: Callable[[Settings], Finding], settings: Settings) -> Findin
         return Finding(check.__name__.strip("_"), False, str(error))
 
 
-def format_finding(finding: Finding) -> str:
+class Marks(NamedTuple):
+    """Words for a finding that is good, that limits nothing needed, and that is bad."""
+
+    good: str
+    optional: str
+    bad: str
+
+
+PARTS = Marks("ok", "none", "MISSING")
+"""Of what is installed and plugged in."""
+NETWORK = Marks("ok", "note", "fail")
+
+
+def format_finding(finding: Finding, marks: Marks = PARTS) -> str:
     """Return a finding as one line."""
-    mark, what, state, remedy = _cells(finding)
+    mark, what, state, remedy = _cells(finding, marks)
     return f"{mark:7} {what}: {state}" + (f"; {remedy}" if remedy else "")
 
 
-def table_of(findings: list[Finding]) -> Table:
+def table_of(findings: list[Finding], marks: Marks = PARTS) -> Table:
     """Return the findings as a table."""
-    return Table("", ("", "check", "state", "remedy"), tuple(map(_cells, findings)))
+    rows = tuple(_cells(each, marks) for each in findings)
+    return Table("", ("", "check", "state", "remedy"), rows)
 
 
-def _cells(finding: Finding) -> tuple[str, str, str, str]:
-    mark = "ok" if finding.good else "none" if finding.optional else "MISSING"
+def _cells(finding: Finding, marks: Marks) -> tuple[str, str, str, str]:
+    mark = marks.good if finding.good else marks.optional if finding.optional else marks.bad
     return mark, finding.what, finding.state, "" if finding.good else finding.remedy
 
 
@@ -232,7 +247,8 @@ def _base(settings: Settings) -> Finding:
     )
 
 
-def _control(settings: Settings) -> Finding:
+def control_port(settings: Settings) -> Finding:
+    """Check who has the control port."""
     where = f"{settings.control.host}:{settings.control.port}"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:

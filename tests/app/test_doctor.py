@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from halo_service.app.cli import main
-from halo_service.app.doctor import Finding, _control, examine, format_finding
+from halo_service.app.doctor import Finding, control_port, examine, format_finding
 from halo_service.app.service.commands import Status
 from halo_service.errors import UserError
 from halo_service.outputs.settings import ControlSettings, ZenohSettings
@@ -108,7 +108,7 @@ def test_the_doctor_exits_with_1_when_something_is_missing(
     assert "MISSING profile: there is no profile at" in capsys.readouterr().out
 
 
-def test_a_control_port_that_our_own_service_has_is_no_fault() -> None:
+def test_acontrol_port_that_our_own_service_has_is_no_fault() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as service:
         service.bind(("127.0.0.1", 0))
         service.settimeout(10.0)
@@ -122,6 +122,6 @@ def test_a_control_port_that_our_own_service_has_is_no_fault() -> None:
 
         answering = threading.Thread(target=answer)
         answering.start()
-        found = _control(replace(Settings(), control=ControlSettings(port=port)))
+        found = control_port(replace(Settings(), control=ControlSettings(port=port)))
         answering.join()
     assert (found.good, found.state) == (True, f"a halo service runs at 127.0.0.1:{port}")

@@ -163,6 +163,11 @@ class Program:
         """What it printed so far."""
         return self._log.read_text(errors="replace")
 
+    @property
+    def code(self) -> int | None:
+        """Its exit code; None while it runs."""
+        return self._process.poll()
+
     def wait_for(self, words: str, within_s: float = START_S) -> None:
         """Wait until it has printed something."""
         until_s = time.monotonic() + within_s
@@ -220,7 +225,7 @@ class Machine:
 
     def close(self) -> None:
         for program in self._started:
-            program.end()
+            program.end(signal.SIGKILL)
 
     def _inside(self, command: tuple[str | Path, ...]) -> list[str]:
         words = [PROGRAMS.get(str(word), str(word)) for word in command]

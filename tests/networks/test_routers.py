@@ -18,7 +18,7 @@ ROUTER = "A router between two networks"
 CALLS = "If the router has to call the tables"
 TLS = "TLS for both sides"
 BY_CERTIFICATE, BY_CARD = "By certificate", "By network card"
-QUIET_S = 1.5
+QUIET_S = 1.2
 """Time after which nothing can be said to arrive."""
 OPEN = """
 import sys, time, zenoh
@@ -135,11 +135,14 @@ def test_with_tls_machines_without_our_certificate_are_refused_and_nothing_can_b
     assert [network.readable for network in lab.networks] == [0, 0]
 
 
-def test_only_named_certificates_may_publish_and_read(lab: Lab, certificates: Recipe) -> None:
+def test_only_named_certificates_may_publish_and_read_and_a_wrong_name_denies_all(
+    lab: Lab, certificates: Recipe
+) -> None:
     page = certificates
     page.files |= recipe(BY_CERTIFICATE).files
     page.write(lab)
-    page.start(lab, "router").wait_for("ready")
+    router = page.start(lab, "router")
+    router.wait_for("ready")
     page.start(lab, "table")
     allowed = page.start(lab, "laptop", 0, "--json")
     visitor = with_file(page, lab, "visitor.json5", ("laptop.", "visitor."))
@@ -158,22 +161,14 @@ def test_only_named_certificates_may_publish_and_read(lab: Lab, certificates: Re
     assert frames(visitor) == []
     assert "trying again" not in visitor.text, "it is connected, and receives nothing"
     assert {each["node"] for each in frames(allowed)} == {"desk"}
-
-
-def test_a_subject_that_matches_no_certificate_denies_everything(
-    lab: Lab, certificates: Recipe
-) -> None:
-    page = certificates
-    page.files |= recipe(BY_CERTIFICATE).files
+    router.end()
     text = page.files["router", "router.json5"]
     page.files["router", "router.json5"] = text.replace('["laptop"]', '["laptpo"]')
     page.write(lab)
-    router = page.start(lab, "router")
-    page.start(lab, "table")
-    laptop = page.start(lab, "laptop", 0, "--json")
-    router.wait_for("desk is connected")
+    page.start(lab, "router").wait_for("desk is connected")
+    before = len(frames(allowed))
     time.sleep(QUIET_S)
-    assert frames(laptop) == []
+    assert len(frames(allowed)) <= before + 1, "its end without pointers"
 
 
 def test_without_tls_network_cards_say_who_may_publish_and_read(lab: Lab) -> None:

@@ -43,6 +43,7 @@ def route(settings: RouterSettings) -> None:
         )
     stopped = threading.Event()
     stop_on_signals(stopped.set)
+    zenoh.try_init_log_from_env()  # RUST_LOG=zenoh=info says who is refused, and why
     wanted = ZenohSettings(listen=settings.listen, connect=settings.connect, config=settings.config)
     session, connections = open_session(
         wanted, "router", "name another one with --listen, or correct the configuration"

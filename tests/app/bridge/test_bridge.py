@@ -97,9 +97,10 @@ def until(condition: Callable[[], object], wait_s: float = WAIT_S, every_s: floa
         time.sleep(every_s)
 
 
-def opened_router(endpoint: str) -> zenoh.Session:
+def opened_router(endpoint: str, *, adminspace: bool = False) -> zenoh.Session:
     config = zenoh.Config()
     config.insert_json5("mode", '"router"')
+    config.insert_json5("adminspace/enabled", json.dumps(adminspace))
     config.insert_json5("listen/endpoints", json.dumps([endpoint]))
     config.insert_json5("scouting/multicast/enabled", "false")
     return zenoh.open(config)

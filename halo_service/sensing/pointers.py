@@ -104,13 +104,16 @@ def follow(before: Motion, now: Pointer, time_us: int) -> Motion:
     return Motion(places, _velocity(places))
 
 
-def came_over_edge(motion: Motion, surface: Surface) -> bool:
-    """Return whether a finger was outside the surface just before its oldest place."""
+def came_over_edge(
+    motion: Motion, now_mm: tuple[float, float], time_us: int, surface: Surface
+) -> bool:
+    """Return whether a finger that is at `now_mm` was outside just before its oldest place."""
     if not motion.places:
         return False
     first = motion.places[0]
-    vx_mm_s, vy_mm_s = motion.velocity_mm_s
-    x_mm, y_mm = first.x_mm - ENTRY_S * vx_mm_s, first.y_mm - ENTRY_S * vy_mm_s
+    back = 1e6 * ENTRY_S / max(time_us - first.time_us, 1)
+    x_mm = first.x_mm - back * (now_mm[0] - first.x_mm)
+    y_mm = first.y_mm - back * (now_mm[1] - first.y_mm)
     return not (0.0 <= x_mm <= surface.width_mm and 0.0 <= y_mm <= surface.height_mm)
 
 

@@ -18,6 +18,7 @@ from halo_service.sensing.correction import at_pitch, correct, leveled
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
+from halo_service.sensing.nail import pad_under_nail
 from halo_service.sensing.pointers import came_over_edge, describe, edge, follow, within_reach
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale, on_surface
@@ -91,7 +92,8 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
     tip = found.tip
     signal = measure(found.own, tip, profile)
     seen = evidence(signal, tip, states)
-    came_in = came_over_edge(before.motion, profile.surface)
+    place_mm = pad_under_nail(tip.pad_mm, tip.pitch_deg, tip.yaw_deg, states.nail_mm)
+    came_in = came_over_edge(before.motion, place_mm, now_us, profile.surface)
     speed_mm_s = before.motion.speed_mm_s
     detector = detect(before.detector, seen, now_us, speed_mm_s, settings, came_in)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)

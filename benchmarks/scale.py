@@ -20,7 +20,7 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from scaling.model import HEALTH_HZ, Stream, frames_of, health_bytes, plus, reports_of
+from scaling.model import HEALTH_HZ, Stream, frames_of, health_bytes, plan, plus, reports_of
 from scaling.processes import Role, Router, nodes, subscriber
 
 import halo_protocol as wire
@@ -81,7 +81,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--seconds", type=float, default=10.0, help="for each row")
     parser.add_argument("--rows", type=int, nargs="+", help="numbers of the rows, from 0")
+    parser.add_argument("--plan", action="store_true", help="print trees of routers, and end")
     options = parser.parse_args()
+    if options.plan:
+        print_plans()
+        return 0
     print(f"load of the machine before: {os.getloadavg()[0]:.1f}")
     print("  ".join(f"{each:>8}" for each in HEAD))
     chosen = [ROWS[each] for each in options.rows] if options.rows else ROWS
@@ -180,10 +184,15 @@ def line(each: Row) -> str:
         f"{each.nodes}", f"{each.pointers}", each.reads, f"{each.routers}",
         f"{each.messages:.0f}", f"{each.tcp_in / 1e3:.1f}", f"{each.tcp_out / 1e3:.1f}",
         f"{each.router_cpu:.1%}", f"{each.router_cpu / each.nodes:.2%}", f"{each.sender_cpu:.2%}",
-        f"{each.memory_mb:.0f} MB", f"{each.median_ms:.2f} ms", f"{each.p99_ms:.1f} ms",
+        f"{each.memory_mb:.0f} MB", *map(milliseconds, (each.median_ms, each.p99_ms)),
         f"{each.lost:.2%}", f"{each.join_bytes / 1e3:.1f} kB", f"{each.load:.1f}",
     )  # fmt: skip
     return "  ".join(f"{cell:>8}" for cell in cells)
+
+
+def milliseconds(value: float) -> str:
+    """Return it as text; `-` where no frame was read."""
+    return "-" if np.isnan(value) else f"{value:.2f} ms"
 
 
 def predicted(each: Row) -> tuple[float, float, float]:
@@ -214,6 +223,21 @@ def print_comparison(rows: Sequence[Row]) -> None:
             f"{tcp_in / 1e3:11.1f} /{each.tcp_in / 1e3:7.1f}"
             f"{tcp_out / 1e3:11.1f} /{each.tcp_out / 1e3:7.1f}"
         )
+
+
+def print_plans() -> None:
+    """Print what passes the routers of a tree."""
+    for surfaces in (10, 100, 10_000):
+        found = plan(surfaces)
+        print(
+            f"{surfaces} surfaces: {found.routers} routers, watcher {found.watched:.0f} messages/s"
+        )
+        for name, load in (("leaf", found.leaf), ("root", found.root)):
+            if load is not None:
+                print(
+                    f"  {name}: {load.links:.0f} links, {load.messages:.0f} messages/s, "
+                    f"{load.wire * 8 / 1e6:.1f} Mbit/s, {load.cores:.2f} cores"
+                )
 
 
 def is_flat(rows: Sequence[Row]) -> bool:

@@ -115,3 +115,63 @@ def reports_of(node: str = "n000", surface: str = "table", *, placed: bool = Fal
 def plus(a: Stream, b: Stream) -> Stream:
     """Return both together."""
     return Stream(a.messages + b.messages, a.payload + b.payload)
+
+
+LEAF = 100
+"""Nodes of one router."""
+CANVAS = 10
+"""Nodes that one canvas merges."""
+ROUTER_US = 25.0
+"""CPU of a router for a message that comes or goes, measured with 100 nodes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What passes one router each second."""
+
+    links: float
+    messages: float
+    """That come and go."""
+    wire: float
+    """Bytes, with the heads of packets, that come and go."""
+
+    @property
+    def cores(self) -> float:
+        """CPU."""
+        return self.messages * ROUTER_US / 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A tree of routers: nodes and canvases at leaves, leaves and one watcher at the root."""
+
+    surfaces: int
+    routers: int
+    leaf: Load
+    root: Load | None
+    """None where one router is enough."""
+    watched: float
+    """Messages a second that the watcher receives."""
+
+
+def plan(surfaces: int, pointers: int = 2) -> Plan:
+    """Return the tree for some surfaces. Each is read by one canvas, and watched."""
+    each, report = plus(frames_of(pointers), reports_of()), reports_of()
+    here = min(surfaces, LEAF)
+    leaves = -(-surfaces // LEAF)
+    read, watched = each.times(here), report.times(here)
+    sent = plus(read, watched)
+    leaf = Load(
+        here + here / CANVAS + 1,
+        read.messages + sent.messages,
+        read.on_the_wire(read.to_router()) + sent.on_the_wire(sent.from_router()),
+    )
+    everything = report.times(surfaces)
+    root = Load(
+        leaves + 1,
+        2 * everything.messages,
+        2 * everything.on_the_wire(everything.from_router()),
+    )
+    if leaves == 1:
+        return Plan(surfaces, 1, leaf, None, everything.messages)
+    return Plan(surfaces, leaves + 1, leaf, root, everything.messages)

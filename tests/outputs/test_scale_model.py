@@ -59,3 +59,13 @@ def test_the_stream_of_a_node_is_the_sum_of_what_it_sends() -> None:
     assert stream.payload == (
         30 * model.frame_bytes(*names, 2) + 2 * reports + model.health_bytes(*names) + 2 * placed
     )
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "routers", "leaf", "root"), [(10, 1, 690, None), (10_000, 101, 6900, 60_000)]
+)
+def test_a_tree_of_routers(surfaces: int, routers: int, leaf: int, root: int | None) -> None:
+    """A leaf's 100 nodes: 33 messages in, 33 to a canvas, 3 to the root, which passes these on."""
+    found = model.plan(surfaces)
+    assert (found.routers, found.leaf.messages) == (routers, leaf)
+    assert (found.root.messages if found.root else None) == root

@@ -56,7 +56,7 @@ def scene_bytes(node: str, session: str, surface: str, *versions: str) -> int:
 def health_bytes(node: str, session: str, surface: str) -> int:
     """Return the bytes of a health."""
     names = padded(len(node)) + padded(len(session))
-    return TIMETAG + element(surface, "health", 19, names + 68)
+    return TIMETAG + element(surface, "health", 22, names + 80)
 
 
 def homography_bytes(node: str, session: str, surface: str) -> int:

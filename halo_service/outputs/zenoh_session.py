@@ -51,7 +51,7 @@ def open_session(
 
     `remedy`: what to do if it cannot listen or connect. Raises `UserError`.
     """
-    config = _base_config(settings.config)
+    config = _base_config(settings.config, mode)
     try:
         _set(config, settings, mode)
         session = zenoh.open(config)
@@ -94,16 +94,17 @@ def _set(config: zenoh.Config, settings: ZenohSettings, mode: str) -> None:
     _fill(config, "adminspace/enabled", None, mode == "router")
 
 
-def _base_config(path: str) -> zenoh.Config:
+def _base_config(path: str, mode: str) -> zenoh.Config:
     """Read the user's Zenoh configuration; without one, Zenoh's defaults."""
     if not path:
         return zenoh.Config()
     try:
         return zenoh.Config.from_file(from_home(path))
     except zenoh.ZError as error:
+        setting = "the file" if mode == "router" else "[zenoh] config"
         raise UserError(
             f"zenoh: the configuration {path} cannot be read ({reason(error)}); "
-            "correct the file, or leave it out"
+            f"correct {setting}, or leave it out"
         ) from error
 
 

@@ -76,6 +76,8 @@ class VirtualUser:
 
     def __init__(self, room: Room, *, colour_times: int = 2) -> None:
         """`colour_times`: see `Sensor`."""
+        # The seat of an installation is on the canvas; this user sits in the camera's own frame.
+        room = replace(room, seat_deg=room.seat_deg - room.place.angle_deg)
         self._room = room
         self._sensor = Sensor(room, colour_times=colour_times)
         self.camera = self._sensor.camera

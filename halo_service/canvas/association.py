@@ -13,21 +13,25 @@ from typing import Any
 
 import numpy as np
 
+from halo_service.canvas.blend import velocity
 from halo_service.canvas.seen import Seen
 from halo_service.canvas.tracks import Track
 
 LAYOUT_MM = 2.5
 """Standard deviation of where two surfaces are relative to each other."""
-CLOCK_S = 0.01
-"""The same of two nodes' clocks, and of when within a frame a finger is seen."""
-GATE, GATE_MM = 3.5, 40.0
+CLOCK_S = 0.02
+"""The same of two nodes' clocks, and of how late a node follows a finger."""
+GATE, GATE_MM = 3.5, 50.0
 """A pointer farther than so many standard deviations from a track, or mm, is another finger."""
 VANISHED_MM = 6.0
 """Added deviation of a finger that no node sees at the moment."""
 OTHER_FINGER, OTHER_SIDE = 5.0, 2.0
 """Twice the logarithm of how rarely two nodes name one finger, or its hand, differently."""
-HOVER_MM = 10.0
-"""Standard deviation of the difference of two nodes' heights."""
+OTHER_FINGER_MM = 12.0
+"""Farther apart, two fingers with different names are two: neighbours are 15 mm apart."""
+HOVER_MM, HOVER_MOST = 10.0, 4.0
+"""Standard deviation of the difference of two nodes' heights; a node that has just found a finger
+is wrong by any height, so the cost has a limit."""
 IMPOSSIBLE = 1e6
 APART_US = 200_000
 """A report that is outside of the gate for so long is of another finger."""
@@ -56,7 +60,9 @@ def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Trac
         if not a.members or not b.members or a.nodes & b.nodes or a.finger != b.finger:
             continue
         away_mm = math.dist(a.place_mm(time_us), b.place_mm(time_us))
-        if away_mm < ONE_GATE * math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM):
+        late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))
+        both_mm = math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM, late_mm)
+        if away_mm < ONE_GATE * both_mm:
             yield (a, b) if a.id < b.id else (b, a)
 
 
@@ -67,10 +73,12 @@ def _cost(track: Track, seen: Seen, time_us: int) -> float:
     if away > GATE or away_mm > GATE_MM:
         return IMPOSSIBLE
     best = track.blend.best().pointer
+    if best.finger != seen.pointer.finger and away_mm > OTHER_FINGER_MM:
+        return IMPOSSIBLE
     height = (best.hover_mm - seen.pointer.hover_mm) / HOVER_MM
     finger = OTHER_FINGER if best.finger != seen.pointer.finger else 0.0
     sides = {best.hand, seen.pointer.hand} - {0}
-    cost = away**2 + height**2 + finger + (OTHER_SIDE if len(sides) > 1 else 0.0)
+    cost = away**2 + min(height**2, HOVER_MOST) + finger + (OTHER_SIDE if len(sides) > 1 else 0.0)
     return cost if cost < 2.0 * GATE**2 else IMPOSSIBLE
 
 

@@ -41,6 +41,8 @@ class Blend:
                 self._put(seen, NEW_SHARE if self.seen else 1.0)
             return
         share = 1.0 - math.exp(-max(seen.time_us - before.time_us, 0) / 1e6 / SETTLE_S)
+        if before.coasts(seen):
+            seen = before.coasting(seen)
         self.seen[seen.member] = seen
         self._weights[seen.member] += share * (_weight(seen) - self._weights[seen.member])
 

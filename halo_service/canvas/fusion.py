@@ -13,19 +13,15 @@ from itertools import count
 
 import halo_protocol as wire
 from halo_service.canvas.association import APART_US, assign, doubles, is_apart
-from halo_service.canvas.seen import Area, Member, NodeEvent, Seen, Where
+from halo_service.canvas.seen import Area, Member, NodeEvent, Place, Seen, Where
 from halo_service.canvas.touches import Change
-from halo_service.canvas.tracks import Track, decide_sides
+from halo_service.canvas.tracks import RECENT_US, Track, decide_sides
 from halo_service.values import Pointer, TouchEvent
 
 RETURN_MM = 30.0
 """A finger that vanishes so near to another surface may appear there."""
 ONE_US = 100_000
 """Tracks that are one finger for so long are merged."""
-
-
-FIRST_US = 150_000
-"""A node that sees a finger for so short a time may notice its touch late."""
 
 
 @dataclass(slots=True)
@@ -88,7 +84,7 @@ class Fusion:
     def frame(self, time_us: int) -> tuple[tuple[Pointer, ...], tuple[TouchEvent, ...]]:
         """Return the pointers at a time, and the events since the last frame."""
         for track in list(self.tracks):
-            self._note(track, track.touches.settle(time_us))
+            self._note(track, track.settle(time_us))
             if track.is_over(time_us):
                 self._end(track, time_us)
             track.decide_finger()
@@ -109,31 +105,54 @@ class Fusion:
         for each, message, event in frame.events:
             if each == member and not (last and event is last[-1]):
                 self._change(track, member, message, event)
-        returns = self._may_return(track, frame)
+        returns = self._may_return(track, frame.where, frame.time_us)
         event = last[-1] if last else NodeEvent(frame.time_us, track.place_mm(frame.time_us))
         self._note(track, track.touches.up(member, event, vanished=True, returns=returns))
         track.remove(member, frame.time_us)
         if not track.members and not returns:
             self._end(track, frame.time_us)
 
-    def _may_return(self, track: Track, frame: NodeFrame) -> bool:
+    def _may_return(self, track: Track, mine: Where, time_us: int) -> bool:
         """Whether a finger is near to the surface of another node."""
-        place_mm = track.place_mm(frame.time_us)
+        return self._may_return_at(track.place_mm(time_us), mine)
+
+    def _may_return_at(self, place_mm: Place, mine: Where) -> bool:
         return any(
             area.size_mm is not None and area.inside_mm(place_mm) > -RETURN_MM
             for where, area in self.areas.items()
-            if where != frame.where
+            if where != mine
         )
 
     def _start(self, new: Sequence[Seen], frame: NodeFrame) -> None:
         """Assign new pointers of a node to tracks that it does not see yet, or start tracks."""
-        free = [track for track in self.tracks if frame.where not in track.nodes]
+        free = [track for track in self.tracks if self._is_free(track, frame.where)]
         assigned = assign(free, new, frame.time_us)
         for number, seen in enumerate(new):
             if number in assigned:
-                free[assigned[number]].update(seen)
-            elif len(self.tracks) < wire.MAX_POINTERS:
+                self._replace(free[assigned[number]], seen)
+            elif len(self.tracks) < wire.MAX_POINTERS and not self._waits(seen):
                 self.tracks.append(self._started(seen))
+
+    @staticmethod
+    def _is_free(track: Track, where: Where) -> bool:
+        """Whether a node may have a new pointer for a track: it sees none, or one hardly."""
+        mine = [seen for (node, _), seen in track.members.items() if node == where]
+        return all(seen.weak or is_apart(track, seen) for seen in mine)
+
+    def _replace(self, track: Track, seen: Seen) -> None:
+        """Give a track a node's new pointer, in the place of a weak one of this node."""
+        old = [member for member in track.members if member[0] == seen.member[0]]
+        touched = any(track.touches.knows(member) for member in old)
+        track.update(seen)
+        for member in old:
+            event = NodeEvent(seen.time_us, seen.place_mm)
+            self._note(track, track.touches.up(member, event, vanished=True, returns=touched))
+            track.remove(member, seen.time_us)
+
+    def _waits(self, seen: Seen) -> bool:
+        """Whether to start no track yet: the pointer is weak, and another node may see it."""
+        near = self._may_return_at(seen.place_mm, seen.member[0])
+        return seen.weak and not seen.pointer.touching and near
 
     def _started(self, seen: Seen) -> Track:
         slots = {track.slot for track in self.tracks}
@@ -154,20 +173,24 @@ class Fusion:
             if seen.pointer.touching and not track.touches.knows(member):
                 self._down(track, member, event)
             elif not seen.pointer.touching and track.touches.knows(member):
-                self._note(track, track.touches.up(member, event))
+                self._up(track, member, event)
 
     def _change(
         self, track: Track, member: Member, message: wire.Down | wire.Up, event: NodeEvent
     ) -> None:
         if _is_up(message):
-            self._note(track, track.touches.up(member, event))
+            self._up(track, member, event)
         elif not track.touches.knows(member):
             self._down(track, member, event)
 
+    def _up(self, track: Track, member: Member, event: NodeEvent) -> None:
+        unsure = track.is_unsure(member, event.time_us)
+        returns = unsure and self._may_return(track, member[0], event.time_us)
+        self._note(track, track.touches.up(member, event, returns=returns))
+
     def _down(self, track: Track, member: Member, event: NodeEvent) -> None:
-        share = track.blend.share(member)
-        discovered = event.time_us - track.first_us[member] < FIRST_US
-        self._note(track, track.touches.down(member, event, share, discovered=discovered))
+        discovered = event.time_us - track.first_us[member] < RECENT_US
+        self._note(track, track.touches.down(member, event, discovered=discovered))
 
     def _correct(self, frame: NodeFrame) -> None:
         """Undo wrong assignments: part what is apart, merge what is one."""

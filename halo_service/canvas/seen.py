@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,13 +18,15 @@ Member = tuple[Where, int]
 
 PLACE_MM = 2.0
 """Standard deviation of a pointer's place in the middle of a surface."""
-LEAST_CONFIDENCE = 0.2
+LEAST_CONFIDENCE = 0.05
+WEAK_CONFIDENCE = 0.4
+"""Below, a node moves a pointer on that it does not see, or has just found one at its edge."""
 EDGE_TIMES, EDGE_MM = 3.0, 15.0
 """At the edge a place is so many times less certain; the share falls to 1/e so far inside."""
 OUTSIDE_MM = 30.0
 """Farther outside, a place is not less certain any more."""
-LONGEST_S = 0.07
-"""A pointer is moved on for so long and no farther (two frames)."""
+LONGEST_S = 0.1
+"""A pointer is moved on for so long and no farther (three frames)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,20 @@ class Seen:
     """Standard deviation of the place."""
     pointer: wire.Pointer
     """As the node sent it."""
+
+    @property
+    def weak(self) -> bool:
+        """Whether the node hardly sees the finger."""
+        return self.pointer.confidence < WEAK_CONFIDENCE
+
+    def coasts(self, now: Seen) -> bool:
+        """Whether a newer report repeats this one: the node does not see the finger now."""
+        same = (self.pointer.x_mm, self.pointer.y_mm) == (now.pointer.x_mm, now.pointer.y_mm)
+        return same and now.pointer.confidence < self.pointer.confidence
+
+    def coasting(self, now: Seen) -> Seen:
+        """Return this report with all of a newer one but its place, which is this one's."""
+        return replace(self, deviation_mm=now.deviation_mm, pointer=now.pointer)
 
     def at(self, time_us: int) -> Place:
         """Return where the finger is at a time."""

@@ -20,10 +20,9 @@ SAME_US = 80_000
 finger at most every 100 ms."""
 ORDER_US = 40_000
 """A down that is so little before another node's up can be after it: both times have errors."""
-SURE_SHARE = 0.7
-"""A node with such a share of the weight is believed at once where another one disagrees."""
-RETURN_US = 150_000
-"""A finger that vanished at a seam while it touched is awaited on the other side for so long."""
+RETURN_US, LONGEST_US = 150_000, 300_000
+"""A finger that vanished at a seam while it touched is awaited on the other side for so long, and
+longer where it has appeared there and seems to hover yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +56,10 @@ class MergedTouches:
         self._late: dict[Member, _Hold] = {}
         """Those that report a touch which is over for the others."""
         self._took_part: set[Member] = set()
-        self._vanished: NodeEvent | None = None
+        self._awaited: NodeEvent | None = None
+        """The end of the touch, if no node soon sees that it goes on."""
+        self._released = False
+        """Whether that end was seen, and not only the last of the finger."""
 
     @property
     def holders(self) -> set[Member]:
@@ -68,10 +70,8 @@ class MergedTouches:
         """Whether the down of a member's present touch was seen."""
         return member in self._holds or member in self._late
 
-    def down(
-        self, member: Member, event: NodeEvent, share: float, *, discovered: bool
-    ) -> list[Change]:
-        """Note a down; `share`: the member's part of the weight of all."""
+    def down(self, member: Member, event: NodeEvent, *, discovered: bool) -> list[Change]:
+        """Note a down; `discovered`: the node sees the finger since a moment."""
         hold = _Hold(event, discovered)
         again = member in self._took_part
         same = not again and event.time_us - self._began_us <= SAME_US and self.count > 0
@@ -81,24 +81,24 @@ class MergedTouches:
                 self._took_part.add(member)
                 return []
             return [self._open({member: hold})]
-        if same or discovered or share < SURE_SHARE:
-            self._holds[member] = hold
-            self._took_part.add(member)
-            self._vanished = None
-            return []
-        self._late |= self._holds  # they have not noticed the end of the touch before
-        return [self._close(event), self._open({member: hold})]
+        if self._awaited is not None and self._released and not (same or discovered):
+            return [self._close(self._awaited), self._open({member: hold})]
+        self._holds[member] = hold
+        self._took_part.add(member)
+        self._awaited = None
+        return []
 
     def up(
         self, member: Member, event: NodeEvent, *, vanished: bool = False, returns: bool = False
     ) -> list[Change]:
-        """Note an up; `vanished`: its pointer is gone; `returns`: another node may see it soon."""
+        """Note an up; `vanished`: its pointer is gone; `returns`: a node may soon see that the
+        finger touches on."""
         if self._late.pop(member, None) or self._holds.pop(member, None) is None:
             return []
         if self._holds:
             return [] if vanished or not self._is_next_touch(event) else self._split(event)
-        if vanished and returns:
-            self._vanished = event
+        if returns:
+            self._awaited, self._released = event, not vanished
             return []
         return [self._close(event)]
 
@@ -108,11 +108,12 @@ class MergedTouches:
         held = self._holds.pop(member, None) is not None
         return [self._close(event)] if held and not self._holds else []
 
-    def settle(self, now_us: int) -> list[Change]:
-        """Decide what has waited long enough."""
+    def settle(self, now_us: int, *, fresh: bool = False) -> list[Change]:
+        """Decide what has waited long enough; `fresh`: a node sees the finger since a moment."""
         changes: list[Change] = []
-        if self._vanished is not None and now_us - self._vanished.time_us > RETURN_US:
-            changes.append(self._close(self._vanished))
+        longest_us = LONGEST_US if fresh else RETURN_US
+        if self._awaited is not None and now_us - self._awaited.time_us > longest_us:
+            changes.append(self._close(self._awaited))
         if self._late and now_us - self._ended_us > SAME_US:
             late, self._late = self._late, {}
             if self.touching:
@@ -154,12 +155,12 @@ class MergedTouches:
         self._began_us = event.time_us
         self._holds = dict(holds)
         self._took_part = set(holds)
-        self._vanished = None
+        self._awaited = None
         return Change("down", event, self.count)
 
     def _close(self, event: NodeEvent) -> Change:
         self.touching = False
         self._ended_us = event.time_us
         self._holds = {}
-        self._vanished = None
+        self._awaited = None
         return Change("up", event, self.count)

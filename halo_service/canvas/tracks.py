@@ -9,11 +9,13 @@ from collections.abc import Iterable
 import halo_protocol as wire
 from halo_service.canvas.blend import Blend, velocity
 from halo_service.canvas.seen import Member, Place, Seen, Where
-from halo_service.canvas.touches import RETURN_US, MergedTouches
+from halo_service.canvas.touches import RETURN_US, Change, MergedTouches
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch
 
 LEAST_PRESSURE = 0.02
 """Of a touch, as the protocol has it."""
+RECENT_US = 150_000
+"""A node that sees a finger for so short a time may notice its touch late."""
 DRAW = 0.1
 """What is added to the share of the present finger or side, so that it stays."""
 NO_DIAGNOSTICS = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), *([math.nan] * 6))
@@ -29,6 +31,8 @@ class Track:
         self.touches = MergedTouches()
         self.first_us: dict[Member, int] = {}
         """Since when each member is seen."""
+        self.coasted_us: dict[Member, int] = {}
+        """When each member's node last reported it without seeing it."""
         self.vanished_us: int | None = None
         """Since when no node sees it; None: one does."""
         self.side = Side.UNKNOWN
@@ -54,6 +58,9 @@ class Track:
     def update(self, seen: Seen) -> None:
         """Note a newer report of a node."""
         self.vanished_us = None
+        before = self.members.get(seen.member)
+        if seen.weak or (before is not None and before.coasts(seen)):
+            self.coasted_us[seen.member] = seen.time_us
         self.blend.update(seen)
         self.first_us.setdefault(seen.member, seen.time_us)
 
@@ -61,9 +68,26 @@ class Track:
         """End a node's report."""
         self.blend.remove(member, time_us)
         self.first_us.pop(member, None)
+        self.coasted_us.pop(member, None)
         self.apart_us.pop(member, None)
         if not self.members:
             self.vanished_us = time_us
+
+    def is_unsure(self, member: Member, time_us: int) -> bool:
+        """Whether a release that a node reports may be none.
+
+        The node has lost sight of the finger, or another one has seen it for so short a time that
+        it may not have noticed the touch yet.
+        """
+        if time_us - self.coasted_us.get(member, -RECENT_US) < RECENT_US:
+            return True
+        others = (first for other, first in self.first_us.items() if other != member)
+        return any(time_us - first < RECENT_US for first in others)
+
+    def settle(self, time_us: int) -> list[Change]:
+        """Decide what has waited long enough; a node that is new may still notice the touch."""
+        newest_us = max(self.first_us.values(), default=time_us)
+        return self.touches.settle(time_us, fresh=time_us - newest_us < RECENT_US)
 
     def is_over(self, time_us: int) -> bool:
         """Whether no node has seen it for so long that it is gone."""

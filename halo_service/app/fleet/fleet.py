@@ -143,7 +143,7 @@ class Fleet:
             surface,
             session,
             state=self._state(node, quiet_s),
-            by="zenoh, mdns" if announced else "zenoh",
+            by="both" if announced else "zenoh",
             address=announced[0].address if announced else "",
             first_s=seen.first_s,
             last_s=seen.last_s,

@@ -39,7 +39,7 @@ class Node:
     state: str
     """`running`; `silent`: connected, without messages; `announced`: by mDNS alone; `gone`."""
     by: str
-    """`zenoh`, `mdns` or both."""
+    """`zenoh`, `mdns` or `both`."""
     first_s: float
     last_s: float
     """When it was seen first and last, by the watcher's clock."""

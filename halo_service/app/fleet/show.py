@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import closing
+from typing import TYPE_CHECKING
 
 from halo_client import ZenohSource
 from halo_service.app.fleet.node import Node
@@ -16,9 +17,14 @@ from halo_service.app.fleet.watch import FleetWatch
 from halo_service.app.process import stop_on_signals
 from halo_service.app.tables import ruled
 
+if TYPE_CHECKING:
+    from rich.table import Table as RichTable
+
 DRAW_S = 0.5
 LINES_S = 1.0
 """How often lines are compared with the ones before; a node sends its health once a second."""
+NARROW = 110
+"""Columns of a terminal below which some are left out."""
 WAITING = "no node yet; start one with: halo serve"
 
 
@@ -36,17 +42,25 @@ def watch(sources: Sequence[ZenohSource], *, as_json: bool) -> None:
 
 
 def _draw(fleet: FleetWatch, stopped: threading.Event) -> None:
-    from rich.console import Group
+    from rich.console import Console, Group
     from rich.live import Live
     from rich.text import Text
+
+    console = Console()
 
     def picture() -> Group:
         nodes = fleet.nodes()
         here = Text(f"{len(nodes)} nodes, {time.strftime('%H:%M:%S')}; Ctrl-C ends", "dim")
         warnings = [Text(each, "bold red") for each in warnings_of(nodes)]
-        return Group(here, *warnings, ruled(table_of(nodes)) if nodes else Text(WAITING))
+        return Group(here, *warnings, "", drawn(nodes) if nodes else Text(WAITING))
 
-    with Live(picture(), auto_refresh=False, transient=False) as live:
+    def drawn(nodes: Sequence[Node]) -> RichTable:
+        table = ruled(table_of(nodes, narrow=console.width < NARROW))
+        table.box, table.pad_edge = None, False
+        table.columns[0].no_wrap = True
+        return table
+
+    with Live(picture(), console=console, auto_refresh=False, transient=False) as live:
         while not stopped.wait(DRAW_S):
             live.update(picture(), refresh=True)
 

@@ -13,15 +13,24 @@ from halo_service.app.fleet.node import Node
 from halo_service.evaluation.report.table import Table
 
 HEAD = (
-    "node", "surface", "state", "rate", "latency", "clock", "service", "Zenoh", "protocol",
-    "calibrated", "found by",
+    "node", "surface", "state", "rate, Hz", "latency, ms", "clock, ms", "service", "Zenoh",
+    "protocol", "age", "found by",
+)  # fmt: skip
+LEFT_OUT = ("surface", "service", "found by")
+"""Columns for which a narrow terminal has no place."""
+LINE = (
+    "{}", "{}", "{}", "{} Hz", "latency {} ms", "clock {} ms", "service {}", "zenoh {}",
+    "protocol {}", "calibration age {}", "by {}",
 )  # fmt: skip
 UNITS_S = (("days", 86_400), ("hours", 3600), ("min", 60))
 
 
-def table_of(nodes: Sequence[Node]) -> Table:
+def table_of(nodes: Sequence[Node], *, narrow: bool = False) -> Table:
     """Return a row for each node; those with a warning are marked."""
-    return Table("", HEAD, tuple(map(cells, nodes)))
+    shown = [n for n, name in enumerate(HEAD) if not narrow or name not in LEFT_OUT]
+    rows = (HEAD, *map(cells, nodes))
+    head, *chosen = (tuple(row[n] for n in shown) for row in rows)
+    return Table("", head, tuple(chosen))
 
 
 def cells(node: Node) -> tuple[str, ...]:
@@ -31,8 +40,8 @@ def cells(node: Node) -> tuple[str, ...]:
         node.surface or "-",
         node.state,
         _rate(node),
-        _number(node.latency_ms, ".1f", "ms"),
-        _number(node.clock_ms, "+.1f", "ms"),
+        _number(node.latency_ms, ".1f"),
+        _number(node.clock_ms, "+.1f"),
         node.versions.service or "-",
         node.versions.zenoh or "-",
         node.versions.protocol or "-",
@@ -52,8 +61,7 @@ def warnings_of(nodes: Sequence[Node]) -> list[str]:
 
 def line_of(node: Node) -> str:
     """Return a node as one line."""
-    named = ("", "", "", "", "latency ", "clock ", "service ", "zenoh ", "protocol ", "calibrated ")
-    words = (f"{name}{cell}" for name, cell in zip((*named, "by "), cells(node), strict=True))
+    words = (form.format(cell) for form, cell in zip(LINE, cells(node), strict=True))
     return "  ".join((*words, *(f"! {each}" for each in node.warnings)))
 
 
@@ -73,12 +81,12 @@ def _versions(node: Node) -> dict[str, str]:
 
 def _rate(node: Node) -> str:
     if node.fps is None:
-        return "-" if node.rate_hz is None else f"?/{node.rate_hz:g} Hz"
-    return f"{node.fps:.1f} Hz" if not node.rate_hz else f"{node.fps:.1f}/{node.rate_hz:g} Hz"
+        return "-" if node.rate_hz is None else f"?/{node.rate_hz:g}"
+    return f"{node.fps:.1f}" if not node.rate_hz else f"{node.fps:.1f}/{node.rate_hz:g}"
 
 
-def _number(value: float | None, form: str, unit: str) -> str:
-    return "-" if value is None else f"{value:{form}} {unit}"
+def _number(value: float | None, form: str) -> str:
+    return "-" if value is None else f"{value:{form}}"
 
 
 def _age(age_s: float | None) -> str:
@@ -86,5 +94,5 @@ def _age(age_s: float | None) -> str:
         return "-"
     for unit, length_s in UNITS_S:
         if age_s >= 2 * length_s:
-            return f"{age_s / length_s:.0f} {unit} ago"
-    return "just now"
+            return f"{age_s / length_s:.0f} {unit}"
+    return "1 min"

@@ -4,7 +4,7 @@ import { card, el, table, toast } from "../dom.js";
 
 const EVERY_MS = 1000;
 const NUMBERS = [3, 4, 5];
-const CLOCK = "Clock: the node's clock minus that of this machine. The real difference is larger by the delay of the fastest message, below 1 ms on a wired network.";
+const CLOCK = "Clock: the node's clock minus that of this machine. The real difference is larger by the delay of the fastest message, below 1 ms on a wired network. Age: of the calibration.";
 
 export function mount(root, service) {
   const warnings = el("ul", { className: "steps" });

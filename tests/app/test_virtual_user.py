@@ -15,7 +15,7 @@ def test_the_user_of_an_installation_sits_where_the_canvas_has_them(
     turned_deg: int, from_far_edge: bool
 ) -> None:
     name = f"sim:crossing,cameras=2,camera=2,seed=3,angles_deg=0,{turned_deg}"
-    user = VirtualUser(parse_sim_url(name).room)
+    user = VirtualUser(parse_sim_url(name).room, colour_times=0)
     empty = user.read(0.0).depth.astype(int)
     user.follow(PROMPTS["hover"])
     user.skip(1.5)

@@ -30,6 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--canvas-truth", metavar="X.jsonl", help="ground truth of an installation, on its canvas"
     )
     parser.add_argument(
+        "--start",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="when that truth begins: 0, or a Unix time, for live services (default: 0)",
+    )
+    parser.add_argument(
         "--layout", metavar="X.toml", help="layout of an installation's canvas; nodes camera-1, ..."
     )
     parser.add_argument("--no-colour", action="store_true", help="record no colour")
@@ -40,7 +47,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Render the recording, the gallery, or both; write what belongs to an installation."""
-    from halo_service.app.recordings.simulate import SimulateRequest, simulate, write_installation
+    from halo_service.app.recordings.simulate import (
+        InstallationRequest,
+        SimulateRequest,
+        simulate,
+        write_installation,
+    )
 
     if options.gallery is not None:
         from halo_service.virtual.gallery import save
@@ -51,7 +63,14 @@ def run(options: argparse.Namespace) -> int:
         raise UserError("simulate needs a SCENARIO and --out X.mkv, or --gallery X.png")
     if options.scenario is not None and (options.layout or options.canvas_truth):
         write_installation(
-            options.scenario, options.seed, options.seconds, options.layout, options.canvas_truth
+            InstallationRequest(
+                options.scenario,
+                options.seed,
+                options.layout,
+                options.canvas_truth,
+                options.start,
+                options.seconds,
+            )
         )
     if options.scenario is not None and options.out is not None:
         request = SimulateRequest(

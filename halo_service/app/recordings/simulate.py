@@ -70,9 +70,20 @@ def simulate(request: SimulateRequest) -> int:
     return count
 
 
-def write_installation(
-    scenario: str, seed: int | None, seconds: float | None, layout: str | None, truth: str | None
-) -> None:
+@dataclass(frozen=True, slots=True)
+class InstallationRequest:
+    """What the command line asks for of a virtual installation."""
+
+    scenario: str
+    seed: int | None
+    layout: str | None
+    truth: str | None
+    start_s: float
+    """When the truth begins; live, the scenario's time is Unix time."""
+    seconds: float | None
+
+
+def write_installation(request: InstallationRequest) -> None:
     """Write the layout and the truth of a virtual installation, each where there is a name.
 
     Raises `UserError` for a scenario with one camera, and for a truth without a length.
@@ -80,19 +91,23 @@ def write_installation(
     from halo_service.virtual.installation.truth import canvas_truth, layout_text
     from halo_service.virtual.sim_url import parse_sim_url
 
-    simulated = parse_sim_url(_source(scenario), seed=seed)
+    simulated = parse_sim_url(_source(request.scenario), seed=request.seed)
     if simulated.room.installation.alone:
         raise UserError(
-            f"the scenario '{scenario}' has one camera and no canvas; try crossing,cameras=2"
+            f"the scenario '{request.scenario}' has one camera and no canvas; "
+            "try crossing,cameras=2"
         )
-    if truth and not seconds:
+    if request.truth and not request.seconds:
         raise UserError("simulate: --canvas-truth needs --seconds S: the scenario never ends")
-    if layout:
-        with written(layout) as file:
+    if not request.start_s >= 0.0:
+        raise UserError(f"simulate: --start is {request.start_s:g}; give 0 or a Unix time")
+    if request.layout:
+        with written(request.layout) as file:
             file.write(layout_text(simulated))
-    if truth and seconds:
-        with written(truth) as file:
-            file.writelines(json.dumps(line) + "\n" for line in canvas_truth(simulated, seconds))
+    if request.truth and request.seconds:
+        with written(request.truth) as file:
+            lines = canvas_truth(simulated, request.seconds, request.start_s)
+            file.writelines(json.dumps(line) + "\n" for line in lines)
 
 
 def _source(scenario: str) -> str:

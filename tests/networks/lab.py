@@ -235,13 +235,14 @@ class Machine:
 class Lab:
     """Machines and networks, all ended by `close`."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, name: str = "") -> None:
+        """`name`: of one of several labs at once."""
+        self._folder, self._name = folder, name
         self.machines: dict[str, Machine] = {}
         self.networks: list[Network] = []
 
     def machine(self, name: str) -> Machine:
-        namespace = f"halo{os.getpid()}-{name}"
+        namespace = f"halo{os.getpid()}-{self._name}{name}"
         ip("netns", "add", namespace)
         folder = self._folder / name
         folder.mkdir()

@@ -2,14 +2,15 @@
 
     python publisher.py halo.toml SECONDS
 
-It prints `ready`, waits for a line, and prints at its end the touches that it sent, as a JSON list
-of [id, contacts].
+It prints `ready`, sends frames without fingers until it gets a line, then touches, and prints at
+its end the touches that it sent, as a JSON list of [id, contacts].
 """
 
 from __future__ import annotations
 
 import json
 import logging
+import select
 import sys
 import time
 from collections.abc import Iterator
@@ -46,30 +47,44 @@ def main() -> None:
     with ExitStack() as stack:
         osc = stack.enter_context(closing(OscOutput(destinations(settings))))
         names = NameWatch(settings.node, SESSION)
-        carriers: list[Carrier] = [osc, *zenoh_output(settings, names, "table", stack)]
+        publisher = Publisher(settings, [osc, *zenoh_output(settings, names, "table", stack)])
         print("ready", flush=True)
-        sys.stdin.readline()
-        print(json.dumps(publish(settings, carriers, seconds)), flush=True)
+        while not select.select([sys.stdin], [], [], 0.0)[0]:
+            publisher.send(replace(fingers(0.0), pointers=()))
+        began_s, before_s = time.monotonic(), -1.0
+        while (now_s := time.monotonic() - began_s) < seconds:
+            publisher.send(fingers(now_s, before_s))
+            before_s = now_s
+        for _ in range(round(RATE_HZ)):
+            publisher.send(replace(fingers(0.0), pointers=()))
+        print(json.dumps(publisher.downs), flush=True)
 
 
-def publish(settings: Settings, carriers: list[Carrier], seconds: float) -> list[list[int]]:
-    """Publish for a time, then a second without fingers; return the touches: [id, contacts]."""
-    encoder = FrameEncoder(
-        settings.node, SESSION, wire.first_frame(CLOCK.unix_us()), again_ms=settings.osc.again_ms
-    )
-    downs: list[list[int]] = []
-    began_s, before_s, report_s = time.monotonic(), -1.0, 0.0
-    while (now_s := time.monotonic() - began_s) < seconds + 1.0:
-        frame = fingers(now_s, before_s) if now_s < seconds else replace(fingers(0.0), pointers=())
-        downs += [[each.id, each.contacts] for each in frame.events if each.kind == "down"]
-        send(encoder.encode(frame), carriers)
-        if now_s >= report_s:
-            report_s += REPORT_S
-            for report in reports(settings.node):
-                send(OutgoingReport("table", report), carriers)
-        before_s = now_s
+class Publisher:
+    """Sends frames at their rate, and reports twice a second."""
+
+    def __init__(self, settings: Settings, carriers: list[Carrier]) -> None:
+        self._node, self._carriers = settings.node, carriers
+        first = wire.first_frame(CLOCK.unix_us())
+        again_ms = settings.osc.again_ms
+        self._encoder = FrameEncoder(self._node, SESSION, first, again_ms=again_ms)
+        self._report_s = 0.0
+        self.downs: list[list[int]] = []
+        """Touches: [id, contacts]."""
+
+    def send(self, frame: TouchFrame) -> None:
+        """Send a frame, and wait until the next one is due."""
+        self.downs += [[each.id, each.contacts] for each in frame.events if each.kind == "down"]
+        self._to_all(self._encoder.encode(frame))
+        if time.monotonic() >= self._report_s:
+            self._report_s = time.monotonic() + REPORT_S
+            for report in reports(self._node):
+                self._to_all(OutgoingReport("table", report))
         time.sleep(1.0 / RATE_HZ)
-    return downs
+
+    def _to_all(self, outgoing: Outgoing) -> None:
+        for carrier in self._carriers:
+            carrier.send(outgoing)
 
 
 def fingers(now_s: float, before_s: float | None = None) -> TouchFrame:
@@ -94,12 +109,6 @@ def reports(node: str) -> Iterator[wire.Scene | wire.Homography | wire.Pose]:
     yield wire.Scene(node, SESSION, wire.VERSION, *size_mm, 2, 1, 2, RATE_HZ)
     yield wire.Homography(node, SESSION, 1, 1280, 800, HOMOGRAPHY)
     yield wire.Pose(node, SESSION, 1, POSE, POSE)
-
-
-def send(outgoing: Outgoing, carriers: list[Carrier]) -> None:
-    """Send on all outputs."""
-    for carrier in carriers:
-        carrier.send(outgoing)
 
 
 if __name__ == "__main__":

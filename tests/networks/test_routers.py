@@ -179,7 +179,7 @@ def test_without_tls_network_cards_say_who_may_publish_and_read(lab: Lab) -> Non
     router = lab.machines["router"].start("halo", "router", "router.json5")
     page.start(lab, "table")
     arrive(page.start(lab, "laptop", 0, "--json"))
-    assert "desk is connected" in router.text
+    router.wait_for("desk is connected")
     (laptop := lab.machines["laptop"]).folder.joinpath("halo.toml").write_text(
         'node = "fake"\n[zenoh]\nconnect = ["tcp/192.168.20.1:7447"]\n'
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Self
@@ -24,6 +25,9 @@ _OWN = zenoh_key(ANY, ANY, ANY).split("/")[:2]
 _LOG = logging.getLogger(__name__)
 _RETRY_S = 1.0
 """Time between two tries to open a session."""
+_SILENCE_S = 2.0
+"""Time without a frame after which a session by UDP is opened again; a service sends one a second
+at least."""
 _OTHERS = "halo/*/*/*/scene"
 """Scenes of any major version, so that a service of another one is reported."""
 
@@ -38,7 +42,8 @@ class ZenohInput:
     """A Zenoh session that subscribes. A context manager; `ClientError` if it cannot open.
 
     A session of mode `client` opens only while its router or service runs: a thread tries again
-    until then, so that `receive` never waits for an address, and this is logged once.
+    until then, so that `receive` never waits for an address, and this is logged once. By UDP it is
+    opened again while no frame arrives, as the packet with our subscription may be lost.
     """
 
     def __init__(self, source: ZenohSource, subscribe: Subscribe | None = None) -> None:
@@ -49,6 +54,7 @@ class ZenohInput:
         """Nodes that had a liveliness token and have none; replaced whole by Zenoh's thread."""
         self._source = source
         self._open: tuple[zenoh.Session, list[zenoh.Subscriber[None]]] | None = None
+        self._heard_s = 0.0
         self._closed = threading.Event()
         self._opener: threading.Thread | None = None
         self.url = f"zenoh://?{'&'.join(f'connect={endpoint}' for endpoint in source.connect)}"
@@ -59,7 +65,9 @@ class ZenohInput:
             if mode != "client":
                 raise ClientError(_cannot_open(source, error)) from error
             _LOG.warning("%s; trying again until it answers", _cannot_open(source, error))
-            self._opener = threading.Thread(target=self._try, name="halo zenoh", daemon=True)
+        self._by_udp = subscribe is None and any(each.startswith("udp/") for each in source.connect)
+        if self._open is None or self._by_udp:
+            self._opener = threading.Thread(target=self._keep_open, name="halo zenoh", daemon=True)
             self._opener.start()
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
@@ -72,21 +80,30 @@ class ZenohInput:
         self._closed.set()
         if self._opener is not None:
             self._opener.join()
+        self._shut()
+
+    def _shut(self) -> None:
         if self._open is not None:
             (session, subscribers), self._open = self._open, None
             for subscriber in subscribers:
                 subscriber.undeclare()
             session.close()
 
-    def _try(self) -> None:
-        """Open the session as soon as it can be."""
-        while self._open is None and not self._closed.wait(_RETRY_S):
-            with suppress(zenoh.ZError):
-                self._open = self._opened()
+    def _keep_open(self) -> None:
+        """Open the session as soon as it can be; by UDP, again while no frame arrives."""
+        while not self._closed.wait(_RETRY_S):
+            if self._by_udp and time.monotonic() - self._heard_s > _SILENCE_S:
+                self._shut()
+            if self._open is None:
+                with suppress(zenoh.ZError):
+                    self._open = self._opened()
+            elif not self._by_udp:
+                return
 
     def _opened(self) -> tuple[zenoh.Session, list[zenoh.Subscriber[None]]]:
         """Open a session and subscribe. Raises `ZError`."""
         session = zenoh.open(zenoh_config(self._source))
+        self._heard_s = time.monotonic()
         return session, self._subscribe(session)
 
     def _subscribe_to_source(self, session: zenoh.Session) -> list[zenoh.Subscriber[None]]:
@@ -104,7 +121,10 @@ class ZenohInput:
         return subscribers
 
     def _store(self, sample: zenoh.Sample) -> None:
-        self._ring.put(sample.payload.to_bytes(), str(sample.key_expr))
+        key = str(sample.key_expr)
+        if key.endswith("/frame"):
+            self._heard_s = time.monotonic()
+        self._ring.put(sample.payload.to_bytes(), key)
 
     def _store_reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:

@@ -31,9 +31,13 @@ TRIPS = 20
 TRIP_S = 0.5
 """Time after which one counts as lost."""
 SLOW_MS = 20.0
+CERTIFICATES = (
+    "compare the certificates on both sides: authority, addresses in them, dates; a router with "
+    "RUST_LOG=zenoh=info in its environment reports why it refuses"
+)
 REFUSED = {
-    "tls": "compare the certificates on both sides: authority, addresses in them, dates; a router "
-    "with RUST_LOG=zenoh=info in its environment reports why it refuses",
+    "tls": CERTIFICATES,
+    "quic": f"open this UDP port in the firewall there; {CERTIFICATES}",
     "udp": "start a router or service with a udp endpoint there, or open this UDP port in the "
     "firewall",
 }

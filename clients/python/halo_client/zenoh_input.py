@@ -201,8 +201,8 @@ def _checked_mode(source: ZenohSource) -> str:
 
 def _cannot_open(source: ZenohSource, error: Exception) -> str:
     return (
-        f"cannot open Zenoh with {_named(source)} ({_reason(error)}); is the service running with "
-        "Zenoh on?"
+        f"cannot open Zenoh with {_named(source)} ({_reason(error)}); check that the service or "
+        "router runs there"
     )
 
 
@@ -212,4 +212,5 @@ def _named(source: ZenohSource) -> str:
 
 def _reason(error: Exception) -> str:
     """Cut off the names of Zenoh's types before its message, and the place in its code after it."""
-    return str(error).partition(" at /")[0].rpartition('msg: "')[2].strip()
+    reason = str(error).partition(" at /")[0].rpartition('msg: "')[2].strip()
+    return "no answer" if reason.startswith("Unable to connect") else reason

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -95,6 +96,12 @@ def until(condition: Callable[[], object], wait_s: float = WAIT_S, every_s: floa
     while not condition():
         assert time.monotonic() < end_s, "it did not happen in time"
         time.sleep(every_s)
+
+
+def knows_all(late: halo_client.Receiver) -> bool:
+    """Whether it has scene and homography, after one more datagram."""
+    late.poll(0.05)
+    return bool(late.services.scenes and late.services.homographies)
 
 
 def opened_router(endpoint: str, *, adminspace: bool = False) -> zenoh.Session:
@@ -262,7 +269,7 @@ def test_the_command_serves_late_clients_and_says_at_its_end_what_it_lost(
         lines.append(bridge.stderr.readline())
     for url in (found[1], f"osc://?hello=127.0.0.1:{found[2]}"):
         with halo_client.connect(url) as late:  # the service sends nothing any more
-            until(lambda late=late: late.poll(0.05) is None or late.services.homographies)  # type: ignore[misc]
+            until(partial(knows_all, late))
             assert ("desk", "table") in late.services.scenes
     bridge.send_signal(signal.SIGTERM)
     assert bridge.wait(WAIT_S) == 0

@@ -89,6 +89,8 @@ class SimulatedNode:
     unix_s: float = 1_700_000_000.0
     fingers: dict[int, _Seen] = field(default_factory=dict)
     lost_until_s: dict[int, float] = field(default_factory=dict)
+    losses: set[int] = field(default_factory=set)
+    """Fingers that were lost in the overlap."""
     next_id: int = 1
     peers: list[SimulatedNode] = field(default_factory=list)
     """The other nodes."""
@@ -169,6 +171,10 @@ class SimulatedNode:
             and self.random.random() < self.errors.lost_per_s / self.rate_hz
         ):
             self.lost_until_s[number] = t_s + self.random.integers(1, 7) / self.rate_hz
+            self.losses.add(number)
+        elif number in self.losses and not any(number in peer.fingers for peer in self.peers):
+            self.losses.remove(number)  # it is found again where no other node sees it
+            self.lost_until_s[number] = t_s - 1e-6
         return t_s > self.lost_until_s[number]
 
     def _other_sees(self, number: int, place: tuple[float, float]) -> bool:

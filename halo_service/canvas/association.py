@@ -84,7 +84,8 @@ def _cost(track: Track, seen: Seen, time_us: int) -> float:
 
 def _deviation(track: Track, seen: Seen) -> float:
     """Return the standard deviation of the distance of a pointer from its track, mm."""
-    speed_mm_s = math.hypot(*seen.velocity_mm_s)
+    of_track = velocity(track.blend, seen.time_us)
+    speed_mm_s = max(math.hypot(*seen.velocity_mm_s), math.hypot(*of_track))
     lost_mm = 0.0 if track.members else VANISHED_MM
     own_mm = min(track.blend.deviation_mm, seen.deviation_mm * 2.0)
     return math.hypot(own_mm, seen.deviation_mm, LAYOUT_MM, CLOCK_S * speed_mm_s, lost_mm)

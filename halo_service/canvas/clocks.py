@@ -24,9 +24,9 @@ LEAST_SPAN_US = 5_000_000
 """Shorter ones say nothing about a drift."""
 MAX_DRIFT = 600e-6
 """A service follows its host's clock by 500e-6, a crystal is off by at most 100e-6."""
-EARLY_US = 15_000
+EARLY_US = 60_000
 """A frame that arrives so much before it can: the node's clock was set, or the way is shorter."""
-LATE_US, LATE_FOR_US = 30_000, 3_000_000
+LATE_US, LATE_FOR_US = 60_000, 3_000_000
 """The same where all frames for so long are so late; shorter is a network that pauses."""
 BACK_US = 500_000
 """Time in frames that goes back so far: a recording starts again."""

@@ -15,11 +15,13 @@ import halo_protocol as wire
 from halo_service.canvas.association import APART_US, assign, doubles, is_apart
 from halo_service.canvas.seen import Area, Member, NodeEvent, Place, Seen, Where
 from halo_service.canvas.touches import Change
-from halo_service.canvas.tracks import RECENT_US, Track, decide_sides
+from halo_service.canvas.tracks import Track, decide_sides
 from halo_service.values import Pointer, TouchEvent
 
 RETURN_MM = 30.0
 """A finger that vanishes so near to another surface may appear there."""
+IN_AIR = 2
+"""A node that saw the finger in the air in fewer frames has discovered its touch, not its down."""
 ONE_US = 100_000
 """Tracks that are one finger for so long are merged."""
 
@@ -189,7 +191,8 @@ class Fusion:
         self._note(track, track.touches.up(member, event, returns=returns))
 
     def _down(self, track: Track, member: Member, event: NodeEvent) -> None:
-        discovered = event.time_us - track.first_us[member] < RECENT_US
+        discovered = track.in_air.get(member, 0) < IN_AIR
+        track.in_air[member] = 0
         self._note(track, track.touches.down(member, event, discovered=discovered))
 
     def _correct(self, frame: NodeFrame) -> None:

@@ -71,7 +71,7 @@ class MergedTouches:
         return member in self._holds or member in self._late
 
     def down(self, member: Member, event: NodeEvent, *, discovered: bool) -> list[Change]:
-        """Note a down; `discovered`: the node sees the finger since a moment."""
+        """Note a down; `discovered`: the node did not see the finger in the air before."""
         hold = _Hold(event, discovered)
         again = member in self._took_part
         same = not again and event.time_us - self._began_us <= SAME_US and self.count > 0
@@ -81,7 +81,8 @@ class MergedTouches:
                 self._took_part.add(member)
                 return []
             return [self._open({member: hold})]
-        if self._awaited is not None and self._released and not (same or discovered):
+        goes_on = same or (discovered and not again)
+        if self._awaited is not None and self._released and not goes_on:
             return [self._close(self._awaited), self._open({member: hold})]
         self._holds[member] = hold
         self._took_part.add(member)

@@ -31,6 +31,8 @@ class Track:
         self.touches = MergedTouches()
         self.first_us: dict[Member, int] = {}
         """Since when each member is seen."""
+        self.in_air: dict[Member, int] = {}
+        """In how many of its last frames each member saw the finger well, and in the air."""
         self.coasted_us: dict[Member, int] = {}
         """When each member's node last reported it without seeing it."""
         self.vanished_us: int | None = None
@@ -63,12 +65,17 @@ class Track:
             self.coasted_us[seen.member] = seen.time_us
         self.blend.update(seen)
         self.first_us.setdefault(seen.member, seen.time_us)
+        if seen.pointer.touching:
+            return
+        in_air = self.in_air.get(seen.member, 0)
+        self.in_air[seen.member] = in_air if seen.weak else in_air + 1
 
     def remove(self, member: Member, time_us: int) -> None:
         """End a node's report."""
         self.blend.remove(member, time_us)
         self.first_us.pop(member, None)
         self.coasted_us.pop(member, None)
+        self.in_air.pop(member, None)
         self.apart_us.pop(member, None)
         if not self.members:
             self.vanished_us = time_us

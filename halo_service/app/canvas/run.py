@@ -39,8 +39,8 @@ from halo_service.settings import Settings
 
 log = logging.getLogger(__name__)
 
-LOCAL = ("127.0.0.1", 7447)
-"""Where Zenoh listens by default."""
+LOCAL, PORTS = "127.0.0.1", range(7447, 7467)
+"""Where Zenoh listens: by default at the first of these ports that is free."""
 TURN_S = 0.05
 """How often clients that ask for the stream are answered."""
 
@@ -83,6 +83,8 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
             stack.callback(announce(settings, names, web, control, **facts).close)
         log.info("canvas '%s' of node %s: %s", layout.name, settings.node, _size(layout))
         log.info("zenoh from %s: %s", ", ".join(source.connect) or source.config, _nodes(layout))
+        listen = ", ".join(settings.zenoh.listen) or settings.zenoh.config
+        log.info("zenoh for clients: %s", listen if settings.zenoh.enabled else "off")
         log.info("osc to %s", ", ".join(map(str, wanted)) or "off")
         log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
         log.info("ready: run 'halo monitor' to see it; Ctrl-C ends")
@@ -113,11 +115,12 @@ def check(settings: Settings, layout: Layout) -> None:
 
 
 def _with_free_port(settings: Settings) -> Settings:
-    """Let Zenoh listen on a free port where the usual one is in use and the user named none."""
-    if settings.zenoh.listen or settings.zenoh.config or _is_free(*LOCAL):
+    """Let Zenoh listen on the next free port where the user named none and one is in use."""
+    if not settings.zenoh.enabled or settings.zenoh.listen or settings.zenoh.config:
         return settings
-    log.info("zenoh: port %d is in use, so the canvas listens on a free one", LOCAL[1])
-    return replace(settings, zenoh=replace(settings.zenoh, listen=(f"tcp/{LOCAL[0]}:0",)))
+    port = next((each for each in PORTS if _is_free(LOCAL, each)), 0)
+    listen = f"tcp/{LOCAL}:{port}"
+    return replace(settings, zenoh=replace(settings.zenoh, listen=(listen,)))
 
 
 def _is_free(host: str, port: int) -> bool:

@@ -20,7 +20,7 @@ import zenoh
 import halo_client
 from halo_client.interfaces import multicast_interface
 from halo_client.source import ZenohSource, parse_source
-from halo_client.zenoh_input import zenoh_config
+from halo_client.zenoh_input import ZenohInput, zenoh_config
 
 NAMESPACE = f"halo{os.getpid()}"
 UNREACHABLE = ["10.9.0.2", "10.9.0.3"]
@@ -156,6 +156,28 @@ def test_a_program_that_draws_does_not_wait_for_an_address(free_tcp_port: int) -
         while (now := time.monotonic()) < until:
             receiver.poll(0.001)
             assert time.monotonic() - now < 0.25
+
+
+def test_by_udp_a_subscription_that_was_lost_is_declared_again(
+    zenoh_service: Callable[..., Any],
+    repeat: Callable[[Callable[[], object]], None],
+    free_port: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Zenoh sends it once, and a packet can be lost."""
+    monkeypatch.setattr("halo_client.zenoh_input._RETRY_S", 0.1)
+    monkeypatch.setattr("halo_client.zenoh_input._SILENCE_S", 0.4)
+    endpoint = f"udp/127.0.0.1:{free_port}"
+    repeat(zenoh_service(endpoint).tap)
+    source = parse_source(f"zenoh://?connect={endpoint}")
+    assert isinstance(source, ZenohSource)
+    with ZenohInput(source) as received:
+        assert received.receive(20.0)
+        assert received._open is not None
+        received._open[1].pop(0).undeclare()  # as if its packet had been lost
+        while received.receive(0.2):  # what has already arrived
+            pass
+        assert received.receive(20.0)
 
 
 @pytest.mark.parametrize("mode", ["peer", "client"])

@@ -6,7 +6,7 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +23,13 @@ WIFI = Air(loss=0.05, delay_s=0.002, jitter_s=0.006)
 CUT = Air(cut=True)
 CUT_S = 4.0
 """Longer than the 3 s after which a silent link is closed."""
+
+
+PAGES = {
+    "udp": "Wi-Fi that loses packets",
+    "quic": "Wi-Fi with TLS",
+    "cut": "A laptop that joins late",
+}
 
 
 def one_network(lab: Lab, **further: str) -> Network:
@@ -73,6 +80,9 @@ class Result:
         return set(self.downs) - self.ups
 
 
+Results = dict[str, tuple[Network, Result]]
+
+
 def result(publisher: Program, listener: Program) -> Result:
     """Wait for the end of the publisher, then end the listener."""
     sent = json.loads(publisher.ended(30.0).splitlines()[-1])
@@ -83,55 +93,53 @@ def result(publisher: Program, listener: Program) -> Result:
     return Result(set(sent), downs, set(ups), got["late_ms"], got["longest_gap_s"], got["known_s"])
 
 
-@pytest.fixture
-def lab_with_certificates(tmp_path: Path, namespaces: None) -> Iterator[Lab]:
-    """A second lab, with the certificates of the table and the laptop."""
-    (folder := tmp_path / "quic").mkdir()
-    with closing(Lab(folder, "quic")) as lab:
-        one_network(lab)
-        script = recipe("TLS for both sides").files["router", "certificates.sh"]
-        script += "certificate desk IP:192.168.10.10\n"
-        table, laptop = lab.machines["table"], lab.machines["laptop"]
-        assert table.run("sh", "-c", script).returncode == 0
-        for name in ("ca.pem", "laptop.pem", "laptop.key"):
-            shutil.copy(table.folder / name, laptop.folder)
-        yield lab
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory, namespaces: None) -> Iterator[Results]:
+    """A Wi-Fi by UDP, one by QUIC, and a link that is cut, in three labs at once."""
+    with ExitStack() as stack:
+        labs = {name: Lab(tmp_path_factory.mktemp(name), name) for name in PAGES}
+        networks, programs = {}, {}
+        for name, lab in labs.items():
+            stack.callback(lab.close)
+            networks[name] = one_network(lab)
+        certify(labs["quic"])
+        networks["udp"].air = networks["quic"].air = WIFI
+        for name, lab in labs.items():
+            page = recipe(PAGES[name])
+            programs[name] = publisher(lab, page, CUT_S + 3.0), listener(lab, page)
+        for publishing, _ in programs.values():
+            publishing.go()
+        time.sleep(1.0)
+        networks["cut"].air = CUT
+        time.sleep(CUT_S)
+        networks["cut"].air = Air()
+        yield {name: (networks[name], result(*each)) for name, each in programs.items()}
 
 
+def certify(lab: Lab) -> None:
+    """Make the certificates of the page, and one for the table's address."""
+    script = recipe("TLS for both sides").files["router", "certificates.sh"]
+    table, laptop = lab.machines["table"], lab.machines["laptop"]
+    done = table.run("sh", "-c", f"{script}certificate desk IP:192.168.10.10\n")
+    assert done.returncode == 0, done.stderr
+    for name in ("ca.pem", "laptop.pem", "laptop.key"):
+        shutil.copy(table.folder / name, laptop.folder)
+
+
+@pytest.mark.parametrize("name", ["udp", "quic"])
 def test_a_wifi_that_loses_5_percent_loses_no_touch_and_leaves_none_stuck(
-    lab: Lab, lab_with_certificates: Lab
+    results: Results, name: str
 ) -> None:
-    """By UDP, and at the same time in a second lab by QUIC."""
-    one_network(lab)
-    pages = {lab: "Wi-Fi that loses packets", lab_with_certificates: "Wi-Fi with TLS"}
-    for each in pages:
-        each.networks[0].air = WIFI
-    programs = {
-        each: (publisher(each, recipe(page), 5.0), listener(each, recipe(page)))
-        for each, page in pages.items()
-    }
-    for publishing, _ in programs.values():
-        publishing.go()
-    for each, page in pages.items():
-        got, network = result(*programs[each]), each.networks[0]
-        print(f"\n{page}, {network.lost} packets of {network.lost + network.passed}: {got}")
-        assert network.lost > 10
-        assert set(got.downs) == got.sent
-        assert len(got.downs) == len(got.sent), "each once"
-        assert not got.stuck
+    network, got = results[name]
+    print(f"\n{PAGES[name]}, {network.lost} packets of {network.lost + network.passed}: {got}")
+    assert network.lost > 10
+    assert set(got.downs) == got.sent
+    assert len(got.downs) == len(got.sent), "each once"
+    assert not got.stuck
 
 
-def test_after_a_link_was_cut_everything_resumes_and_no_touch_is_stuck(lab: Lab) -> None:
-    network = one_network(lab)
-    page = recipe("A laptop that joins late")
-    publishing = publisher(lab, page, CUT_S + 3.0)
-    listening = listener(lab, page)
-    publishing.go()
-    time.sleep(1.0)
-    network.air = CUT
-    time.sleep(CUT_S)
-    network.air = Air()
-    got = result(publishing, listening)
+def test_after_a_link_was_cut_everything_resumes_and_no_touch_is_stuck(results: Results) -> None:
+    _, got = results["cut"]
     print(f"\ncut for {CUT_S} s: {got}; longest time without a frame {got.longest_gap_s:.1f} s")
     assert not got.stuck
     assert len(got.downs) == len(set(got.downs)), "no touch comes twice"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 from halo_client import ZenohSource
 from halo_service.app.doctor import Finding, control_port
@@ -34,7 +35,7 @@ def examine_network(settings: Settings, connect: Sequence[str] = ()) -> list[Fin
     return [
         _networks(here),
         *ports.zenoh_ports(settings.zenoh, here, answers=any(reached[each][1] for each in local)),
-        control_port(settings),
+        replace(control_port(settings), optional=True),  # a free one is used instead
         *(finding for each in shown for finding in reached[each][0]),
         *scouts.findings(),
         *nodes.findings(received),

@@ -109,6 +109,6 @@ def _facts(node: Node) -> str:
     facts = [
         f"protocol {node.versions.protocol}" if node.versions.protocol else "",
         f"Zenoh {node.versions.zenoh}" if node.versions.zenoh else "",
-        f"its clock {node.clock_ms:+.0f} ms" if node.clock_ms is not None else "",
+        f"its clock {round(node.clock_ms):+d} ms" if node.clock_ms is not None else "",
     ]
     return "".join(f", {each}" for each in facts if each)

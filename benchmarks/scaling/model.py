@@ -121,7 +121,7 @@ LEAF = 100
 """Nodes of one router."""
 CANVAS = 10
 """Nodes that one canvas merges."""
-ROUTER_US = 25.0
+ROUTER_US = 26.0
 """CPU of a router for a message that comes or goes, measured with 100 nodes."""
 
 

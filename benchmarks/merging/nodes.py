@@ -204,7 +204,7 @@ class SimulatedNode:
                     continue
                 seen.touch = number
                 seen.down_late_s = self.random.uniform(0.0, 0.035)
-                seen.up_late_s = self.random.uniform(0.0, 0.035)
+                seen.up_late_s = self.random.uniform(seen.down_late_s, 0.035)
                 fresh = down_s < seen.since_s  # it touched before it was found
                 seen.missed = bool(
                     not fresh

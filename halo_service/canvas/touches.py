@@ -58,8 +58,8 @@ class MergedTouches:
         self._took_part: set[Member] = set()
         self._awaited: NodeEvent | None = None
         """The end of the touch, if no node soon sees that it goes on."""
-        self._released = False
-        """Whether that end was seen, and not only the last of the finger."""
+        self._lifted_us: int | None = None
+        """When a node saw the finger leave; None: in this touch, none has."""
 
     @property
     def holders(self) -> set[Member]:
@@ -82,7 +82,7 @@ class MergedTouches:
                 return []
             return [self._open({member: hold})]
         goes_on = same or (discovered and not again)
-        if self._awaited is not None and self._released and not goes_on:
+        if self._awaited is not None and self._was_lifted(self._awaited) and not goes_on:
             return [self._close(self._awaited), self._open({member: hold})]
         self._holds[member] = hold
         self._took_part.add(member)
@@ -96,10 +96,12 @@ class MergedTouches:
         finger touches on."""
         if self._late.pop(member, None) or self._holds.pop(member, None) is None:
             return []
+        if not vanished:
+            self._lifted_us = event.time_us
         if self._holds:
             return [] if vanished or not self._is_next_touch(event) else self._split(event)
-        if returns:
-            self._awaited, self._released = event, not vanished
+        if returns and not (vanished and self._was_lifted(event)):
+            self._awaited = event
             return []
         return [self._close(event)]
 
@@ -136,6 +138,11 @@ class MergedTouches:
         self._late |= other._late if self.touching else other._late | other._holds
         self._took_part |= other._took_part
 
+    def _was_lifted(self, event: NodeEvent) -> bool:
+        """Whether a node saw the finger leave about then."""
+        lifted_us = self._lifted_us
+        return lifted_us is not None and abs(event.time_us - lifted_us) <= SAME_US
+
     def _is_next_touch(self, up: NodeEvent) -> bool:
         """Whether those that still touch have begun a touch after the one that ends."""
         return all(
@@ -156,7 +163,7 @@ class MergedTouches:
         self._began_us = event.time_us
         self._holds = dict(holds)
         self._took_part = set(holds)
-        self._awaited = None
+        self._awaited = self._lifted_us = None
         return Change("down", event, self.count)
 
     def _close(self, event: NodeEvent) -> Change:

@@ -65,8 +65,8 @@ def test_a_router_passes_frames_between_two_networks_and_may_restart(lab: Lab) -
     print(f"from the bridge {arrive(local):.1f} s later")
     waited(lambda: frames(local)[-1]["pointers"], 5.0)
     table.end(signal.SIGKILL)
-    waited(lambda: not frames(monitor)[-1]["pointers"], 1.5)
-    waited(lambda: not frames(local)[-1]["pointers"], 1.5)
+    waited(lambda: not frames(monitor)[-1]["pointers"], 2.5)
+    waited(lambda: not frames(local)[-1]["pointers"], 2.5)
     assert "desk/table" in bridge.end()
 
 

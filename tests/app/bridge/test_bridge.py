@@ -224,7 +224,7 @@ def test_a_cut_link_ends_the_touch_and_a_restarted_router_brings_the_stream_back
     assert cut_at < number
 
 
-def test_the_touch_of_a_killed_service_ends_in_less_than_a_second(
+def test_the_touch_of_a_killed_service_ends_before_3_s_of_silence(
     endpoint: str, stack: ExitStack
 ) -> None:
     port = Port()
@@ -236,7 +236,7 @@ def test_the_touch_of_a_killed_service_ends_in_less_than_a_second(
     numbers = count(1)
     until(lambda: service.send(frame(next(numbers), (TOUCHING,))) or relay.frames, every_s=0.02)
     service._session.close()  # as a killed process: without a last frame
-    until(lambda: any(isinstance(each, wire.Up) for each in port.messages()), 1.5, 0.01)
+    until(lambda: any(isinstance(each, wire.Up) for each in port.messages()), 2.5, 0.01)
 
 
 def test_the_command_serves_late_clients_and_says_at_its_end_what_it_lost(

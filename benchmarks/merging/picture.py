@@ -43,7 +43,7 @@ def draw(
     _draw_nodes(axes[0], request, streams, span_s)
     _draw_canvas(axes[1], frames, span_s)
     figure.tight_layout()
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)
 
 

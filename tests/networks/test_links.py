@@ -94,8 +94,13 @@ def result(publisher: Program, listener: Program) -> Result:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory, namespaces: None) -> Iterator[Results]:
+def results(
+    tmp_path_factory: pytest.TempPathFactory,
+    namespaces: None,
+    external_program: Callable[[str], str],
+) -> Iterator[Results]:
     """A Wi-Fi by UDP, one by QUIC, and a link that is cut, in three labs at once."""
+    external_program("openssl")
     with ExitStack() as stack:
         labs = {name: Lab(tmp_path_factory.mktemp(name), name) for name in PAGES}
         networks, programs = {}, {}

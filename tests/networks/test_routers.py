@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import signal
 import time
+from collections.abc import Callable
 
 import pytest
 
@@ -80,10 +81,9 @@ def test_a_router_can_call_the_tables(lab: Lab) -> None:
 
 
 @pytest.fixture
-def certificates(lab: Lab) -> Recipe:
+def certificates(lab: Lab, external_program: Callable[[str], str]) -> Recipe:
     """Machines of two networks with the page's certificates; one more is for a visitor."""
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl is not installed")
+    external_program("openssl")
     two_networks(lab)
     page = recipe(TLS)
     page.files["router", "certificates.sh"] += "certificate visitor DNS:visitor\n"

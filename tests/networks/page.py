@@ -1,6 +1,6 @@
 """The recipes of docs/networks.md, as machines run them.
 
-A block of code says whose it is: "```sh router" are commands of the router, "```toml table
+A block of code names its machine: "```sh router" are commands of the router, "```toml table
 halo.toml" is a file of the table.
 """
 

@@ -1,4 +1,4 @@
-"""Whether Zenoh's multicast finds anybody, on each network card."""
+"""Whether Zenoh's multicast finds a router or service, on each network card."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def _endpoints(source: ZenohSource) -> list[str]:
 
 
 def _fault(endpoint: str, cards: Sequence[Card]) -> Finding | None:
-    """Return why nothing answers at the address; None if something does, or cannot be asked."""
+    """Return why nothing answers at the address; None if something does, or if that is unknown."""
     parts = ENDPOINT.match(endpoint)
     if parts is None:
         return None

@@ -15,13 +15,11 @@ import halo_protocol as wire
 from halo_service.canvas.association import APART_US, assign, doubles, is_apart
 from halo_service.canvas.seen import Area, Member, NodeEvent, Place, Seen, Where
 from halo_service.canvas.touches import Change
-from halo_service.canvas.tracks import Track, decide_sides
+from halo_service.canvas.tracks import IN_AIR, Track, decide_sides
 from halo_service.values import Pointer, TouchEvent
 
 RETURN_MM = 30.0
 """A finger that vanishes so near to another surface may appear there."""
-IN_AIR = 2
-"""A node that saw the finger in the air in fewer frames has discovered its touch, not its down."""
 ONE_US = 100_000
 """Tracks that are one finger for so long are merged."""
 

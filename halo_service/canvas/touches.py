@@ -111,10 +111,13 @@ class MergedTouches:
         held = self._holds.pop(member, None) is not None
         return [self._close(event)] if held and not self._holds else []
 
-    def settle(self, now_us: int, *, fresh: bool = False) -> list[Change]:
-        """Decide what has waited long enough; `fresh`: a node sees the finger since a moment."""
+    def settle(self, now_us: int, *, fresh: bool = False, lifted: bool = False) -> list[Change]:
+        """Decide what has waited long enough.
+
+        `fresh`: a node sees the finger since a moment; `lifted`: several see it in the air.
+        """
         changes: list[Change] = []
-        longest_us = LONGEST_US if fresh else RETURN_US
+        longest_us = 0 if lifted else LONGEST_US if fresh else RETURN_US
         if self._awaited is not None and now_us - self._awaited.time_us > longest_us:
             changes.append(self._close(self._awaited))
         if self._late and now_us - self._ended_us > SAME_US:

@@ -14,6 +14,8 @@ from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch
 
 LEAST_PRESSURE = 0.02
 """Of a touch, as the protocol has it."""
+IN_AIR = 2
+"""In so many frames a node sees that a finger is in the air; one may be an error."""
 RECENT_US = 150_000
 """A node that sees a finger for so short a time may notice its touch late."""
 DRAW = 0.1
@@ -66,7 +68,7 @@ class Track:
         self.blend.update(seen)
         self.first_us.setdefault(seen.member, seen.time_us)
         if seen.pointer.touching:
-            return
+            return  # when its down arrives, the count begins again
         in_air = self.in_air.get(seen.member, 0)
         self.in_air[seen.member] = in_air if seen.weak else in_air + 1
 
@@ -94,7 +96,12 @@ class Track:
     def settle(self, time_us: int) -> list[Change]:
         """Decide what has waited long enough; a node that is new may still notice the touch."""
         newest_us = max(self.first_us.values(), default=time_us)
-        return self.touches.settle(time_us, fresh=time_us - newest_us < RECENT_US)
+        lifted = [self.in_air.get(each, 0) >= IN_AIR for each in self.members]
+        return self.touches.settle(
+            time_us,
+            fresh=time_us - newest_us < RECENT_US,
+            lifted=len(lifted) > 1 and all(lifted),
+        )
 
     def is_over(self, time_us: int) -> bool:
         """Whether no node has seen it for so long that it is gone."""

@@ -5,7 +5,7 @@ arrives with almost no waiting. So the line under all delays over time is the cl
 drift (Moon, Skelly and Towsley, Estimation and removal of clock skew, 1999): the line below all
 points that is nearest to them, an edge of their lower convex hull.
 
-One-way messages cannot tell the shortest delay from the offset. What a node reports as its own
+One-way messages cannot separate the shortest delay from the offset. What a node reports as its own
 latency is subtracted; the network's shortest delay remains in the estimate.
 """
 

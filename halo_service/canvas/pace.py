@@ -16,7 +16,7 @@ from statistics import median
 from halo_service.canvas.seen import Where
 
 INTERVALS = 16
-"""Frames of a node whose median interval is its period."""
+"""A node's period is the median of so many intervals of its frames."""
 AS_FAST = 1.25
 """A node is as fast as the fastest where its period is at most so many times as long."""
 AWAY_US = 500_000

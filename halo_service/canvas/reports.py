@@ -44,7 +44,7 @@ class Own:
     """That are there."""
     clock_offset_ms: float
     clock_deviation_ms: float
-    """Of the node whose clock is off most; 0 and -1 without a node."""
+    """Of the clock that is off most; 0 and -1 without a node."""
 
 
 def scene(

@@ -107,7 +107,7 @@ def find(
 REMEDIES = {
     "touch": "touch where its camera and a placed one both see the finger",
     "marker": "put the marker where its camera and a placed one see it, and run 'halo calibrate "
-    "--anchor' for both",
+    "anchor' for both",
 }
 
 

@@ -166,8 +166,8 @@ def test_a_client_of_the_canvas_gets_one_finger_with_the_right_homography(
     assert "right/table is lost; its touches are ended" in said
 
 
-class Kept:
-    """A carrier that keeps what it gets."""
+class Collected:
+    """A carrier that collects what it gets."""
 
     def __init__(self) -> None:
         self.frames: list[OutgoingFrame] = []
@@ -191,9 +191,11 @@ def test_a_router_that_is_killed_and_restarted_leaves_no_finger_and_brings_all_b
         for name in ("left", "right")
     ]
     layout = Layout(560.0, 200.0, (PlacedSurface("left"), PlacedSurface("right", x_mm=260.0)))
-    kept = Kept()
+    collected = Collected()
     names = NameWatch("hall", "s1")
-    publisher = CanvasPublisher(layout, FrameEncoder("hall", "s1", 0), [kept], names, 0, lambda: 0)
+    publisher = CanvasPublisher(
+        layout, FrameEncoder("hall", "s1", 0), [collected], names, 0, lambda: 0
+    )
     merger = Merger(layout, publisher)
     for placed in layout.surface:
         where = (placed.node, placed.surface)
@@ -213,19 +215,19 @@ def test_a_router_that_is_killed_and_restarted_leaves_no_finger_and_brings_all_b
     def shows(count: int) -> Callable[[], bool]:
         def showing() -> bool:
             turn()
-            return bool(kept.frames) and kept.frames[-1].header.count == count
+            return bool(collected.frames) and collected.frames[-1].header.count == count
 
         return showing
 
     until(shows(2), every_s=0.02)
-    before = {pointer.id for pointer in kept.frames[-1].pointers}
+    before = {pointer.id for pointer in collected.frames[-1].pointers}
     router.close()
     until(shows(0), 8.0, 0.05)
-    assert {up.id for each in kept.frames for up in each.ups} == before
+    assert {up.id for each in collected.frames for up in each.ups} == before
     stack.callback(opened_router(endpoint).close)
     until(shows(2), every_s=0.02)
-    assert not before & {pointer.id for pointer in kept.frames[-1].pointers}
-    numbers = [each.header.frame for each in kept.frames]
+    assert not before & {pointer.id for pointer in collected.frames[-1].pointers}
+    numbers = [each.header.frame for each in collected.frames]
     assert numbers == list(range(len(numbers)))
 
 

@@ -1,8 +1,8 @@
 """What a node reports of true fingers, with the errors that nodes have, as datagrams.
 
 Errors: a place that is off by its calibration (a fixed vector and a stretch) and by noise, more at
-the edge; a finger that is found 1 to 3 frames late at the edge, is lost for some frames now and
-then, and touches late or, once in fifty, not at all as the node has it; a clock that is off and drifts;
+the edge; a finger that is found 1 to 3 frames late at the edge, and is lost for some frames now and
+then; a touch that is noticed late or, once in fifty, not at all; a clock that is off and drifts;
 frames that wait on their way, and that are lost. A touch is missed, and a finger lost, only where
 another node sees it, so that each lost or doubled down is an error of the merging.
 """

@@ -28,8 +28,8 @@ Down = tuple[float, float, float]
 
 def merged(
     layout: Path, streams: Sequence[Path], request: SimRequest
-) -> tuple[list[TouchFrame], list[Down]]:
-    """Return the canvas's frames, and all downs that any node reported."""
+) -> tuple[list[TouchFrame], list[list[Down]]]:
+    """Return the canvas's frames, and the downs that each node reported."""
     canvas, assembler = Canvas(load(layout)), wire.Assembler()
     nodes = [lines_of(path) for path in streams]
     sent: list[TouchFrame] = []
@@ -52,8 +52,8 @@ def lines_of(path: Path) -> Iterator[dict[str, Any]]:
         yield from map(json.loads, file)
 
 
-def _downs(streams: Sequence[Path], request: SimRequest) -> list[Down]:
-    found = []
+def _downs(streams: Sequence[Path], request: SimRequest) -> list[list[Down]]:
+    found: list[list[Down]] = [[] for _ in streams]
     clocks = clocks_of(request.room, request.scenario)
     for number, path in enumerate(streams, 1):
         matrix = request.room.place_of(number).canvas_from_surface
@@ -63,5 +63,5 @@ def _downs(streams: Sequence[Path], request: SimRequest) -> list[Down]:
                     t_s = clocks[number].host_s(line["time_us"]) - event["ago_ms"] / 1e3
                     at = np.array([event["u"] * AREA_MM[0], event["v"] * AREA_MM[1], 0.0, 1.0])
                     x, y = (matrix @ at)[:2].tolist()
-                    found.append((t_s, x, y))
+                    found[number - 1].append((t_s, x, y))
     return found

@@ -31,7 +31,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Score:
 def test_each_touch_is_one_touch_of_the_canvas(result: Score) -> None:
     assert (result.touches, result.touching) == (2, 4)
     assert (result.lost, result.lost_by_all) == (0, 0), result.wrong
-    assert (result.again, result.again_at_seam, result.wrong_downs) == (0, 0, 0), result.wrong
+    assert (result.again, result.again_by_canvas, result.wrong_downs) == (0, 0, 0), result.wrong
 
 
 def test_each_finger_has_one_id_on_both_sides_of_the_seam(result: Score) -> None:

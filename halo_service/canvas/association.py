@@ -56,10 +56,11 @@ def is_apart(track: Track, seen: Seen) -> bool:
 
 def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Track]]:
     """Yield pairs of tracks that seem to be one finger, the older one first."""
-    for a, b in combinations(tracks, 2):
-        if not a.members or not b.members or a.nodes & b.nodes or a.finger != b.finger:
+    seen = [(each, each.place_mm(time_us)) for each in tracks if each.members]
+    for (a, place), (b, other) in combinations(seen, 2):
+        away_mm = math.dist(place, other)
+        if away_mm > GATE_MM or a.nodes & b.nodes or a.finger != b.finger:
             continue
-        away_mm = math.dist(a.place_mm(time_us), b.place_mm(time_us))
         late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))
         both_mm = math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM, late_mm)
         if away_mm < ONE_GATE * both_mm:

@@ -63,11 +63,18 @@ class Node:
     endpoint: str
     pointer: wire.Pointer
     number: int = 0
+    closed: bool = False
     output: ZenohOutput = field(init=False)
 
     def __post_init__(self) -> None:
         settings = ZenohSettings(listen=(self.endpoint,))
         self.output = ZenohOutput(settings, self.name, "table")
+
+    def close(self) -> None:
+        """Once, also where the test fails before: an open session would block the exit."""
+        if not self.closed:
+            self.closed = True
+            self.output.close()
 
     def send(self) -> None:
         self.number += 1
@@ -101,7 +108,8 @@ def test_a_client_of_the_canvas_gets_one_finger_with_the_right_homography(
         stack.callback(port.close)
     ends = [f"tcp/127.0.0.1:{free_port()}" for _ in range(3)]
     nodes = [Node("left", ends[0], SEEN_LEFT), Node("right", ends[1], SEEN_RIGHT)]
-    stack.enter_context(closing(nodes[0].output))
+    for node in nodes:
+        stack.callback(node.close)
     (layout := tmp_path / "layout.toml").write_text(LAYOUT)
     (config := tmp_path / "halo.toml").write_text(f'node = "hall"\n[web]\nport = {free_port()}\n')
     canvas = spawn(
@@ -116,12 +124,11 @@ def test_a_client_of_the_canvas_gets_one_finger_with_the_right_homography(
             node.send()
         every.got.clear()
         after[:] = pointers(every)
-        ours = [each for each in after if each.x_mm > 270.3]
+        ours = [each for each in after if 270.3 < each.x_mm < 271.7]
         return len(ours) == len(after) > 0
 
     until(merged, every_s=0.03)
     (finger,) = {each.id: each for each in after}.values()
-    assert 270.0 < finger.x_mm < 272.0
     assert finger.u == pytest.approx(finger.x_mm / 560.0)
     assert (finger.state, finger.slot, finger.contacts) == (1, 0, 1)
 
@@ -148,7 +155,7 @@ def test_a_client_of_the_canvas_gets_one_finger_with_the_right_homography(
     url = f"zenoh://?connect={ends[2]}&node=hall-canvas&surface=table-east"
     with halo_client.connect(url) as client:  # the nodes send nothing any more
         until(lambda: client.poll(0.05) is None or client.services.homographies)
-    nodes[1].output.close()
+    nodes[1].close()
     every.got.clear()
 
     def ended() -> bool:

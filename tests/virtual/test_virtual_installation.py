@@ -117,10 +117,10 @@ def off_mm(cloud, skin, normals):
 def test_a_camera_that_joins_late_sees_the_same_as_one_that_was_there():
     request = parse_sim_url("sim:crossing,cameras=2,seed=4")
     early, late = (start_scenario(request.scenario, request.room) for _ in range(2))
-    for t_s in np.arange(0.0, 1.5 * ROUND_S, 0.04):
+    for t_s in np.arange(0.0, 1.5 * ROUND_S, 0.1):
         early.at(t_s)
     early.ended_contacts(1.5 * ROUND_S)
-    for t_s in np.arange(1.5 * ROUND_S, 2.0 * ROUND_S - 1.0, 0.04):
+    for t_s in np.arange(1.5 * ROUND_S, 1.8 * ROUND_S, 0.04):
         one, other = early.at(t_s), late.at(t_s)
         for a, b in zip(one.hands, other.hands, strict=True):
             assert np.abs(a.joints - b.joints).max() < 1e-9
@@ -150,7 +150,7 @@ def test_hands_cross_each_seam_in_both_directions():
     scenario = start_scenario(request.scenario, request.room)
     places = [
         [hand.pad(Finger.INDEX)[:2] for hand in scenario.at(t_s).hands]
-        for t_s in np.arange(3.0, 3.0 * ROUND_S, 0.05)
+        for t_s in np.arange(3.0, 2.0 * ROUND_S, 0.07)
     ]
     tracks = np.array([each[0] for each in places if each])
     for axis, seam in ((0, 270.0), (1, 170.0)):

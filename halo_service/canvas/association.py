@@ -59,7 +59,8 @@ def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Trac
     seen = [(each, each.place_mm(time_us)) for each in tracks if each.members]
     for (a, place), (b, other) in combinations(seen, 2):
         away_mm = math.dist(place, other)
-        if away_mm > GATE_MM or a.nodes & b.nodes or a.finger != b.finger:
+        two = any(a.is_surely(each) and b.is_surely(each) for each in a.nodes & b.nodes)
+        if away_mm > GATE_MM or two or a.finger != b.finger:
             continue
         late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))
         both_mm = math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM, late_mm)

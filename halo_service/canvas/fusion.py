@@ -20,7 +20,7 @@ from halo_service.values import Pointer, TouchEvent
 
 RETURN_MM = 30.0
 """A finger that vanishes so near to another surface may appear there."""
-ONE_US = 100_000
+ONE_US = 50_000
 """Tracks that are one finger for so long are merged."""
 
 
@@ -213,8 +213,9 @@ class Fusion:
     def _merge(self, track: Track, other: Track, time_us: int) -> None:
         """Make a younger track a part of an older one."""
         track.touches.absorb(other.touches)
-        for seen in other.members.values():
-            track.update(seen)
+        for seen in list(other.members.values()):
+            if seen.member[0] not in track.nodes or not seen.weak:
+                self._replace(track, seen)
         self._end(other, time_us)
 
     def _end(self, track: Track, time_us: int) -> None:

@@ -55,6 +55,11 @@ class Track:
         """The surfaces on which it is seen."""
         return {where for where, _ in self.members}
 
+    def is_surely(self, where: Where) -> bool:
+        """Whether its pointer of a node is surely its own: this node sees it, or no other does."""
+        sure = {node for (node, _), seen in self.members.items() if not seen.weak}
+        return where in sure or not sure
+
     def place_mm(self, time_us: int) -> Place:
         """Return where it is at a time."""
         return self.blend.place_mm(time_us)

@@ -85,7 +85,11 @@ def test_a_touch_is_the_median_place_while_it_lasts() -> None:
         receive(ms, 100.0, 1)
     assert not node.touches
     receive(3300, 100.0, 0)
-    (touch,) = node.touches
+    receive(3330, 100.0, 1, (wire.Down(1, 0, 0.0, 0.0, 100.0, 0.0, 2),))
+    for ms in range(3360, 3600, 30):
+        receive(ms, 100.0 + (ms - 3330) / 10.0, 1)
+    receive(3600, 120.0, 0)
+    (touch,) = node.touches  # the second one was a drag
     assert touch.place_mm == (100.0, 50.0)
     assert abs(touch.time_us - 2_997_000) < 1000
 

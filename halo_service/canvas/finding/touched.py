@@ -20,6 +20,8 @@ from halo_service.canvas.touches import SAME_US
 
 MOST = 1024
 """Touches of one surface that are remembered."""
+HELD_MM = 12.0
+"""A touch that moves farther is no held one: two cameras see different parts of it."""
 SETTLED_US = 2_000_000
 """A clock is used so long after its first frame."""
 
@@ -46,7 +48,7 @@ class NodeTouches:
 
     clock: Clock = field(default_factory=Clock)
     touches: deque[Touched] = field(default_factory=lambda: deque(maxlen=MOST))
-    """Those that are over."""
+    """Those that are over, and were held still."""
     _open: dict[int, _Open] = field(default_factory=dict)
     _first_us: int | None = None
 
@@ -65,8 +67,9 @@ class NodeTouches:
                 opened.places.append((touching[id_].x_mm, touching[id_].y_mm))
             else:
                 del self._open[id_]
-                if opened.places:
-                    x, y = np.median(np.array(opened.places), axis=0)
+                places = np.array(opened.places).reshape(-1, 2)
+                if len(places) and np.ptp(places, axis=0).max() <= HELD_MM:
+                    x, y = np.median(places, axis=0)
                     self.touches.append(Touched(opened.time_us, (float(x), float(y))))
 
 

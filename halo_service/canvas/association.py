@@ -44,7 +44,7 @@ def assign(tracks: Sequence[Track], pointers: Sequence[Seen], time_us: int) -> d
     if not tracks or not pointers:
         return {}
     costs = np.array([[_cost(track, each, time_us) for track in tracks] for each in pointers])
-    pairs = zip(*_solver()(costs), strict=True)
+    pairs = zip(*load_solver()(costs), strict=True)
     return {int(i): int(j) for i, j in pairs if costs[i, j] < IMPOSSIBLE}
 
 
@@ -94,7 +94,7 @@ def _deviation(track: Track, seen: Seen) -> float:
 
 
 @cache
-def _solver() -> Any:
+def load_solver() -> Any:
     """Import SciPy's solver, once; programs that only read layouts do not wait for it."""
     from scipy.optimize import linear_sum_assignment
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 import halo_protocol as wire
-from halo_service.canvas.association import APART_US, assign, doubles, is_apart
+from halo_service.canvas.association import APART_US, assign, doubles, is_apart, load_solver
 from halo_service.canvas.seen import Area, Member, NodeEvent, Place, Seen, Where
 from halo_service.canvas.touches import Change
 from halo_service.canvas.tracks import IN_AIR, Track, decide_sides
@@ -53,6 +53,10 @@ class Fusion:
     _ids: Iterator[int] = field(default_factory=lambda: count(1))
     _changes: list[_Sent] = field(default_factory=list)
     _one_since_us: dict[tuple[int, int], int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Import the solver now: at the first finger it would hold up frames for half a second."""
+        load_solver()
 
     @property
     def has_news(self) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import ClockFit
-from halo_service.canvas.layout import CanvasProjector, Layout
+from halo_service.canvas.layout import CanvasProjector, Layout, Matrix
 from halo_service.canvas.seen import Where
 
 REVISION = 1
@@ -74,15 +74,15 @@ def scene(
     )
 
 
-def homography(own: Own, projector: CanvasProjector) -> wire.Homography:
-    """Return where a projector's picture is on the canvas."""
+def homography(own: Own, projector: CanvasProjector, matrix: Matrix) -> wire.Homography:
+    """Return where a projector's picture is on the canvas; `matrix`: the projector's."""
     return wire.Homography(
         own.node,
         own.session,
         REVISION,
         projector.width_px,
         projector.height_px,
-        tuple(float(each) for each in projector.matrix.ravel()),
+        tuple(float(each) for each in matrix.ravel()),
     )
 
 

@@ -39,6 +39,8 @@ class CanvasPublisher:
         self._control_port = control_port
         self.zenoh_missing = zenoh_missing
         self._errors = ErrorLog()
+        # Now, because OpenCV is imported for it, which takes half a second.
+        self._projectors = [(each, each.matrix) for each in layout.projector]
         self._copies = [layout.surface_name(each) for each in layout.projector if each.name]
 
     @property
@@ -62,9 +64,9 @@ class CanvasPublisher:
         self._report_all(
             replace(scene, service_version=service_version(), zenoh_version=zenoh_version())
         )
-        for projector in self._layout.projector:  # after the scene: they refer to its revision
+        for projector, matrix in self._projectors:  # after the scene: they refer to its revision
             surface = self._layout.surface_name(projector)
-            message = reports.homography(own, projector)
+            message = reports.homography(own, projector, matrix)
             self._send(OutgoingReport(surface, message, named_only=bool(projector.name)))
 
     def health(self, own: Own, nodes: Sequence[NodeReports]) -> None:

@@ -29,6 +29,10 @@ stops a finger in one frame, a hovering one stops itself over several (chosen: w
 it outweighs a level that reads 0.2 too low)."""
 STILL = 2.0
 """A finger stops where it rises or falls by less than half of that (chosen)."""
+REST_ODDS, RISEN_MM, RISE_DEVIATION_MM = 0.5, 2.5, 1.5
+"""A finger leaves the surface by rising: log-odds for each standard deviation by which its own
+depth shows it lower than so far above its lowest place in this touch (chosen: half of what the halo
+is worth; depth repeats to a millimetre, and a finger rises by 3 mm in its first frame)."""
 PRIOR_ODDS = 0.9
 """Log-odds where the level is at contact and nothing else is measured (the regression gives 0.7;
 higher, so that a touch where the halo is weaker than the sweep predicts is not missed)."""
@@ -60,16 +64,22 @@ def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     return Evidence(level, deviation, *own_height(tip, states))
 
 
-def contact_probability(seen: Evidence, rise: float, before: float = 0.0) -> float:
+def contact_probability(
+    seen: Evidence, rise: float, before: float = 0.0, lowest_mm: float = math.nan
+) -> float:
     """Return the probability that a finger touches.
 
-    `rise`: of the level, in one frame; `before`: how fast it rose in the frames before.
+    `rise`: of the level, in one frame; `before`: how fast it rose in the frames before;
+    `lowest_mm`: of its heights in this touch; nan where it does not touch.
     """
     odds = PRIOR_ODDS + LEVEL_ODDS * _sigmas(seen.level - CONTACT_LEVEL, seen.deviation)
     odds += RISE_ODDS * _sigmas(rise, seen.deviation)
     odds += STOP_ODDS * _sigmas(max(before - STILL * abs(rise), 0.0), seen.deviation)
     if math.isfinite(seen.height_mm):
         odds += OWN_ODDS * _sigmas(-seen.height_mm, seen.height_deviation_mm)
+    risen_mm = seen.height_mm - lowest_mm
+    if math.isfinite(risen_mm):
+        odds += REST_ODDS * _sigmas(RISEN_MM - risen_mm, RISE_DEVIATION_MM)
     return 1.0 / (1.0 + math.exp(-odds))
 
 

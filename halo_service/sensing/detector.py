@@ -6,6 +6,7 @@ A touch begins when the probability passes one level and ends when it falls belo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from halo_service.sensing.contact import CONTACT_LEVEL, Evidence, contact_probability
@@ -33,6 +34,8 @@ class Detector:
     """How long before `time_us` the finger met or left the surface, if it just did."""
     rose: float = 0.0
     """How fast the level rose lately, in one frame: the most, fading."""
+    lowest_mm: float = math.nan
+    """The lowest height by its own depth in this touch; nan while it does not touch."""
     was_apart: bool = True
     """Whether it was ever seen apart from the surface, or came in over its edge. One that was found
     pressing in the middle must lift first, because it is unknown when it came down."""
@@ -58,7 +61,7 @@ def detect(
     frames = max(time_us - before.time_us, 1) / FRAME_US
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
     rose = before.rose * FADES**frames
-    probability = contact_probability(seen, rise, rose)
+    probability = contact_probability(seen, rise, rose, before.lowest_mm)
     apart = before.was_apart or came_in or probability < settings.down_level
     if before.touching:
         touching = probability >= settings.up_level
@@ -75,8 +78,14 @@ def detect(
         if changed
         else 0,
         rose=max(rise, rose),
+        lowest_mm=_lowest_mm(before.lowest_mm, seen.height_mm) if touching else math.nan,
         was_apart=apart,
     )
+
+
+def _lowest_mm(before_mm: float, height_mm: float) -> float:
+    known = [each for each in (before_mm, height_mm) if math.isfinite(each)]
+    return min(known, default=math.nan)
 
 
 def _since(previous: float, level: float) -> float:

@@ -188,6 +188,20 @@ def test_the_surface_stops_a_finger_at_once_and_a_hovering_one_stops_slowly() ->
     assert not any(each.touching for each in approach)
 
 
+def test_a_finger_leaves_the_surface_by_rising() -> None:
+    """Its halo fades for some frames while it is as low as it was; then it rises."""
+    fading = [(-2.0, 30.0), (1.0, 3.0), (1.0, 3.2), (-0.2, 3.1), (-0.2, 2.9), (0.4, 3.0)]
+    detector = None
+    touching = []
+    for n, (level, height_mm) in enumerate([*fading, (-0.2, 9.0), (-2.0, 14.0)]):
+        seen = Evidence(level, 0.5, height_mm, 3.0)
+        detector = detect(detector, seen, n * FRAME_US, 0.0, SETTINGS)
+        touching.append(detector.touching)
+    assert touching == [False, *[True] * 5, False, False]
+    assert detector is not None
+    assert math.isnan(detector.lowest_mm)
+
+
 def test_no_evidence_decides_alone() -> None:
     """A misread frame may show any level and any depth; neither makes or rules out a touch."""
     high = Evidence(0.5 + 1.0, 0.3, 30.0, 3.0)

@@ -12,8 +12,8 @@ from halo_service.sensing.correction import correct
 from halo_service.sensing.detections import detections
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.fingertips import locate
-from halo_service.sensing.label_pixels import without_others
 from halo_service.sensing.nail import halo_behind_mm
+from halo_service.sensing.neighbours import without_others
 from halo_service.sensing.readings import readings
 from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment

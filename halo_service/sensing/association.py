@@ -19,7 +19,14 @@ from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.kalman import Place, born, distance
 from halo_service.sensing.label_pixels import FINGER_MM
-from halo_service.sensing.tracks import BESIDE_MM, LANDMARK_MM, Phase, Track, detected
+from halo_service.sensing.tracks import (
+    BESIDE_MM,
+    CLAIM_US,
+    LANDMARK_MM,
+    Phase,
+    Track,
+    detected,
+)
 from halo_service.values import Side
 
 SLOTS = 10
@@ -37,6 +44,8 @@ TURN_SHARE = 0.3
 """Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
 MOST_VOTES = 8
 """Left or right is decided by the detections of a quarter of a second."""
+HAND_MM = 25.0
+"""A place this near to a landmark is on the hand (chosen: half a palm)."""
 REPLACED_US = 200_000
 """Tracker errors last single frames or a few in a row (chosen: six frames)."""
 
@@ -50,7 +59,7 @@ def associate(
     kept = tuple(
         _detected(finger, detections[paired[i]]) if i in paired else finger
         for i, finger in enumerate(tracks)
-        if not (_is_replaced(finger, others, i in paired) or _is_double(finger, tracks))
+        if not (_is_replaced(finger, detections, others, i in paired) or _is_double(finger, tracks))
     )
     new = [
         each
@@ -115,6 +124,7 @@ def _detected(finger: Track, detection: Detection) -> Track:
         finger,
         detection=detection,
         votes=votes,
+        hand_mm_s=_hand_mm_s(finger.detection, detection),
         history=detected(finger, detection.place_mm, detection.time_us),
         off_mm=off_mm,
         off_place=off_place,
@@ -126,22 +136,42 @@ def _detected(finger: Track, detection: Detection) -> Track:
     return replace(seen, direction=unit((0.0, 0.0), turned))
 
 
+def _hand_mm_s(before: Detection, now: Detection) -> Place:
+    """Return the velocity of a hand: the median of its landmarks'; 0 after a gap."""
+    s = (now.time_us - before.time_us) / 1e6
+    if now.time_us - before.time_us > CLAIM_US:
+        return 0.0, 0.0
+    x, y = (np.median(now.hand_px - before.hand_px, axis=0) / (s * now.on_surface)).tolist()
+    return x, y
+
+
 def _vote(side: Side) -> int:
     return (side is Side.RIGHT) - (side is Side.LEFT)
 
 
-def _is_replaced(finger: Track, others: Sequence[Detection], detected: bool) -> bool:
-    """Return whether this finger was detected elsewhere for long: a hand has only one of it."""
+def _is_replaced(
+    finger: Track, detections: Sequence[Detection], new: Sequence[Detection], detected: bool
+) -> bool:
+    """Return whether this finger was detected elsewhere for long: a hand has only one of it.
+
+    By a `new` detection of the same side, or by one of the hand that the finger is on.
+    """
     return (
         not detected
         and not finger.debounce.contact.touching
         and any(
             other.finger is finger.detection.finger
-            and other.side is finger.side
             and other.time_us - finger.detection.time_us > REPLACED_US
-            for other in others
+            and ((other in new and other.side is finger.side) or _is_on_hand(finger, other))
+            for other in detections
         )
     )
+
+
+def _is_on_hand(finger: Track, other: Detection) -> bool:
+    place_px = np.array(finger.history[-1].place_mm) * other.on_surface
+    away_px = np.linalg.norm(other.hand_px - place_px, axis=1)
+    return bool(away_px.min() < HAND_MM * other.on_surface)
 
 
 def _is_double(finger: Track, tracks: Sequence[Track]) -> bool:

@@ -48,8 +48,13 @@ class Detection:
     it often looks bent, so this starts a track, but its lack ends none."""
     hand_px: NDArray[np.float64]
     """(21, 2) the landmarks of its hand."""
-    place_mm: Pixel
-    """The tip in millimetres of the surface, along the image's rows and columns."""
+    on_surface: float
+    """Pixels a millimetre on the surface."""
+
+    @property
+    def place_mm(self) -> Pixel:
+        """The tip in millimetres of the surface, along the image's rows and columns."""
+        return self.tip_px[0] / self.on_surface, self.tip_px[1] / self.on_surface
 
 
 def detections(
@@ -103,7 +108,7 @@ def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detect
         scale.px_per_mm(_pixel(joint)),
         outermost > tip - 2,
         hand.landmarks_px,
-        _pixel(end / scale.on_surface),
+        scale.on_surface,
     )
 
 

@@ -35,6 +35,9 @@ WEIGHT = 14.0
 """Of the fit against these errors: a fit that is worse by 0.07 is as unlikely as one error."""
 LEAST_FIT = 0.4
 """Of 2: a worse fit is no finger (chosen: 1.0 to 1.4 on fingers, 0.5 where half is hidden)."""
+GUESSED = 0.3
+"""Where nothing is known the fit is between nothing and that of the rest: this share is nothing
+(chosen)."""
 AROUND = 3
 """Samples to each side over which the best place is averaged (chosen: half a finger)."""
 
@@ -48,8 +51,9 @@ class Fit(NamedTuple):
 
 
 class _Template(NamedTuple):
-    kernel: Floats
-    """(rows, columns): mean inside minus mean around."""
+    inside: Floats
+    around: Floats
+    """(rows, columns): weights of two means."""
     anchor: tuple[int, int]
     """Column and row of the finger's end."""
 
@@ -62,12 +66,13 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
     """
     template, margin = _template(radius_mm), round(LENGTH_MM / STEP_MM) + 1
     at = _places(margin)
+    layers = np.asarray(cv2.merge([mask, (mask != 0.0).astype(np.float32)]), np.float32)
     best, most = None, -math.inf
     for degrees in TURNS_DEG:
         place = guess.turned(math.radians(degrees))
-        seen = blended(mask, place, at)
-        fit = cv2.filter2D(seen, cv2.CV_32F, template.kernel, anchor=template.anchor)
-        inner = np.asarray(fit)[margin:-margin, margin:-margin]
+        seen = blended(layers, place, at)
+        fit = _mean(seen, template.inside, template) - _mean(seen, template.around, template)
+        inner = fit[margin:-margin, margin:-margin]
         likely = np.float32(WEIGHT) * inner - _unlikely(degrees)
         row, column = divmod(int(np.argmax(likely)), likely.shape[1])
         if likely[row, column] > most:
@@ -76,6 +81,13 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
             place = place.moved(STEP_MM * ahead - ALONG_MM, STEP_MM * aside - ACROSS_MM)
             best = Fit(place, float(inner[row, column]))
     return best if best is not None and best.quality >= LEAST_FIT else None
+
+
+def _mean(layers: Floats, weights: Floats, template: _Template) -> Floats:
+    """Return the mean of the first layer around each sample, over what the second one knows."""
+    sums = np.asarray(cv2.filter2D(layers, cv2.CV_32F, weights, anchor=template.anchor))
+    known = np.float32(GUESSED) + np.float32(1.0 - GUESSED) * sums[..., 1]
+    return np.asarray(sums[..., 0] / known, np.float32)
 
 
 def _mean_around(likely: Floats, row: int, column: int) -> tuple[float, float]:
@@ -103,8 +115,11 @@ def _template(radius_mm: float) -> _Template:
     beyond = np.hypot(np.maximum(along + radius_mm, 0.0), across) - radius_mm
     inside = np.clip(0.5 - beyond / STEP_MM, 0.0, 1.0)
     around = (1.0 - inside) * np.clip(0.5 + (BESIDE_MM - beyond) / STEP_MM, 0.0, 1.0)
-    kernel = inside / inside.sum() - around / around.sum()
-    return _Template(kernel.astype(np.float32), (aside, behind))
+    return _Template(
+        (inside / inside.sum()).astype(np.float32),
+        (around / around.sum()).astype(np.float32),
+        (aside, behind),
+    )
 
 
 @lru_cache(maxsize=2)

@@ -10,15 +10,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.sensing.background import Part
-from halo_service.sensing.detections import FINGER_MARKS, THUMB_TIP, Detection
-from halo_service.sensing.finger_frame import FingerFrame, Pixel, grid, nearest
+from halo_service.sensing.finger_frame import FingerFrame, grid, nearest
 from halo_service.sensing.segmentation import Segmentation
-from halo_service.values import Finger
 
 REACH_MM = 52.0
 """Half the window around a tip: a flat finger's last two segments (`ridge`)."""
@@ -28,18 +25,8 @@ RISE_MM = 20.0
 """A fingertip's upper side rises by less in a frame (chosen: people lift at 0.4 m/s)."""
 TIP_MM = 8.0
 """The height is checked only so far behind the tip: farther back a finger is high itself."""
-CLEARLY = 0.8
-"""A pixel of the hand is a finger's if its bones are nearer than another's by this share: at the
-border between two fingers the landmarks' errors decide (chosen)."""
-BONES_MM = 2.0
-"""A pixel that is nearer to a finger's bones than to another's by this much is its own with
-probability 0.73 (chosen: landmarks are 2 mm off across a finger)."""
-AHEAD_MM = 12.0
-"""A finger's halo reaches so far beyond its tip."""
 NO_FINGER = 255
 FAR = np.float32(1e9)
-FAR_PX = 1e4
-"""Beyond any image: OpenCV draws with 16 bits."""
 STRIP_MM = 6.0
 """Half the breadth of the strip for the search of a finger's end."""
 LEAST_MM2 = 20.0
@@ -47,6 +34,8 @@ LEAST_MM2 = 20.0
 BEHIND = grid(-np.arange(8, 22, 3), np.arange(-14, 15))
 """Where a finger's breadth is measured: behind the tip, because a strong halo hides its end, and
 wider than it is."""
+NAIL = grid(-np.arange(8), np.arange(-7, 8))
+"""The end of a finger, where its upper side is read."""
 BREADTH_MM = (4.0, 24.0)
 """Of a finger: 12 to 18 mm, blurred; a fist's end is broader (chosen with a margin)."""
 
@@ -129,49 +118,6 @@ def pixels_of(
     )
 
 
-def without_others(
-    segmentation: Segmentation, detection: Detection, moved_px: Pixel = (0.0, 0.0)
-) -> Segmentation:
-    """Return the scene without the pixels that are nearer to another finger of the same hand.
-
-    By the bones between the landmarks, `moved_px` since they were detected. A neighbour that hangs
-    next to a fingertip is higher and clearer: its outline would pass for the fingertip's.
-    """
-    shape = segmentation.hand.shape
-    if segmentation.hand.size == 0:
-        return segmentation
-    left, top = segmentation.left - moved_px[0], segmentation.top - moved_px[1]
-    marks = detection.hand_px - (left, top)
-    ends = THUMB_TIP + FINGER_MARKS * np.arange(len(Finger))
-    fingers = [marks[end - FINGER_MARKS + 1 : end + 1] for end in ends]
-    own = fingers.pop(int(detection.finger))
-    ahead = own[-1] + (own[-1] - own[-2]) * AHEAD_MM * detection.px_per_mm / max(
-        math.dist(own[-1], own[-2]), 1.0
-    )
-    away = [_away(lines, shape) for lines in ([np.vstack([own, ahead])], fingers)]
-    mine = away[0] <= away[1]
-    clearly_mine = away[0] <= CLEARLY * away[1]
-    nearer = (away[1] - away[0]) / np.float32(BONES_MM * detection.px_per_mm)
-    share = 1.0 / (1.0 + np.exp(-np.clip(nearer, -20.0, 20.0)))
-    if segmentation.share is not None:
-        share *= segmentation.share
-    return replace(
-        segmentation,
-        halo=segmentation.halo & mine,
-        hand=segmentation.hand & clearly_mine,
-        free=segmentation.free & mine,
-        share=share,
-    )
-
-
-def _away(lines: Sequence[NDArray[np.float64]], shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Return how far each pixel is from the nearest of some lines, px."""
-    canvas = np.ones(shape, np.uint8)
-    points = [np.rint(np.clip(line, -FAR_PX, FAR_PX) * 16.0).astype(np.int32) for line in lines]
-    cv2.polylines(canvas, points, False, (0,), shift=4)
-    return np.asarray(cv2.distanceTransform(canvas, cv2.DIST_L2, 3), np.float32)
-
-
 def strip_end(segmentation: Segmentation, place: FingerFrame) -> FingerFrame:
     """Return the end of the strip of hand along a finger's line, the predicted tip without one.
 
@@ -188,11 +134,28 @@ def strip_end(segmentation: Segmentation, place: FingerFrame) -> FingerFrame:
 
 
 def is_finger(segmentation: Segmentation, place: FingerFrame) -> bool:
-    """Return whether the shape that ends at a tip is as broad as a finger."""
-    hand = segmentation.hand.astype(np.float32)
-    seen = nearest(hand, segmentation.within(place), BEHIND, 0.0)
-    breadth = float(np.median(np.count_nonzero(seen, axis=1)))
-    return BREADTH_MM[0] <= breadth <= BREADTH_MM[1]
+    """Return whether the shape that ends at a tip is as broad as a finger.
+
+    What is hidden can belong to it.
+    """
+    there = segmentation.within(place)
+    shown_mm = _breadth_mm(segmentation.hand, there)
+    hidden_mm = 0.0 if segmentation.hidden is None else _breadth_mm(segmentation.hidden, there)
+    return BREADTH_MM[0] <= shown_mm + hidden_mm and shown_mm <= BREADTH_MM[1]
+
+
+def is_hidden(segmentation: Segmentation, place: FingerFrame) -> bool:
+    """Return whether another finger is above a part of a fingertip."""
+    hidden = segmentation.hidden
+    if hidden is None:
+        return False
+    seen = nearest(hidden.astype(np.float32), segmentation.within(place), NAIL, 0.0)
+    return bool(seen.any())
+
+
+def _breadth_mm(mask: NDArray[np.bool_], place: FingerFrame) -> float:
+    seen = nearest(mask.astype(np.float32), place, BEHIND, 0.0)
+    return float(np.median(np.count_nonzero(seen, axis=1)))
 
 
 def _open(numbers: FingerNumbers, number: int) -> NDArray[np.bool_]:

@@ -95,6 +95,8 @@ def outline(
     measured = depth[part.rows, part.columns] > 0
     if measured.size == 0:
         return None
+    if part.hidden is not None:
+        measured &= ~part.hidden
     share = np.float32(1.0) if part.share is None else part.share
     own = measured & (part.free | (share > LEAST_SHARE))
     # What infrared shows stands out, whatever its depth reads.

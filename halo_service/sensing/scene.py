@@ -15,11 +15,12 @@ from halo_service.sensing.label_pixels import (
     Prediction,
     around,
     is_finger,
+    is_hidden,
     label_pixels,
     pixels_of,
     strip_end,
-    without_others,
 )
+from halo_service.sensing.neighbours import without_others
 from halo_service.sensing.ridge import height_behind
 from halo_service.sensing.scale import Scale, on_surface
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
@@ -69,6 +70,8 @@ class Found:
     """The pixels that belong to this finger."""
     followed: bool
     """Found at its predicted place rather than at its new detection."""
+    hidden: bool
+    """Whether another finger is above a part of it."""
 
 
 def look(
@@ -104,11 +107,15 @@ def find(finger: Track, number: int, scene: Scene, states: TouchStates) -> Found
         there = _own(finger, number, claimed, scene)
         seen = _tip(finger, claimed, there, scene, states)
         if seen and is_there(claimed, seen) and is_better(finger, seen, tip):
-            return Found(seen, there, followed=False)
+            return _found(seen, claimed, there, followed=False)
     if tip is None:
         farther = replace(expected, place=strip_end(own, expected.place))
         tip = _tip(finger, farther, own, scene, states)
-    return None if tip is None else Found(tip, own, followed=True)
+    return None if tip is None else _found(tip, expected, own, followed=True)
+
+
+def _found(tip: Fingertip, place: Prediction, own: Segmentation, followed: bool) -> Found:
+    return Found(tip, own, followed, is_hidden(own, place.place._replace(tip_px=tip.tip_px)))
 
 
 def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segmentation:
@@ -118,7 +125,7 @@ def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segment
     if now_us - finger.detection.time_us > CLAIM_US:
         return pixels  # the bones are too old to label pixels
     went = went_px(finger, now_us, on_surface(scene.profile))
-    return without_others(pixels, finger.detection, went)
+    return without_others(pixels, finger.detection, went, place.place)
 
 
 def _scaled(prediction: Prediction, scale: Scale) -> Prediction:
@@ -142,12 +149,12 @@ def _tip(
         states.finger_thickness_mm,
         states.tip_radius_mm,
     )
-    if math.isnan(tip.width_mm) and math.isnan(tip.top_mm):
+    there = place.place._replace(tip_px=tip.tip_px)
+    if math.isnan(tip.width_mm) and math.isnan(tip.top_mm) and not is_hidden(own, there):
         return None  # a finger moved away from there faster than it was predicted
     unshown_s = (scene.frame.time_us - finger.shown_us) / 1e6
     if tip.top_mm > last_top_mm(finger) + RISE_MM_S * unshown_s:  # false for nan
         return None  # another hand passes over it
-    there = place.place._replace(tip_px=tip.tip_px)
     behind_mm = height_behind(own, there, JOINT_MM)
     lies = behind_mm < LEAST_TOP_MM and not _in_infrared(own, there)  # false for nan: unmeasured
     # By its two sides, which show in the deepest dent; else by its breadth above the surface.

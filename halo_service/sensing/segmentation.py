@@ -30,7 +30,7 @@ class Segmentation:
     """A part of the image, segmented."""
 
     excess_mm: NDArray[np.float32]
-    """(h, w) depth above the background, mm; 0 where unmeasured."""
+    """(h, w) depth above the background, mm; 0 where unmeasured or hidden."""
     halo: NDArray[np.bool_]
     """(h, w) the surface seems dented here."""
     hand: NDArray[np.bool_]
@@ -44,6 +44,8 @@ class Segmentation:
     """The first column and row in the image."""
     share: NDArray[np.float32] | None = None
     """(h, w) probability that a pixel of the hand is this finger's; None: 1 everywhere."""
+    hidden: NDArray[np.bool_] | None = None
+    """(h, w) another finger is above this one here; all else is 0 or False. None: nowhere."""
 
     @property
     def rows(self) -> slice:
@@ -74,6 +76,7 @@ class Segmentation:
             self.left + part[1].start,
             self.top + part[0].start,
             None if self.share is None else self.share[part],
+            None if self.hidden is None else self.hidden[part],
         )
 
 

@@ -106,7 +106,7 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
         pointer.confidence * tracker_confidence(before, now_us) * edge(pointer, profile.surface)
     )
     return replace(
-        measured(before, now_us, tip, found.followed, on_surface(profile)),
+        measured(before, now_us, tip, found.followed, on_surface(profile), found.hidden),
         pointer=replace(pointer, vx_mm_s=vx_mm_s, vy_mm_s=vy_mm_s, confidence=confidence),
         detector=detector,
         debounce=bounced,

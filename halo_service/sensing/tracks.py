@@ -21,12 +21,15 @@ from halo_service.sensing.pointers import Motion
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
-LANDMARK_MM, TIP_MM, UNCLEAR_TIP_MM = 8.0, 1.0, 3.0
+LANDMARK_MM, TIP_MM, UNCLEAR_TIP_MM, HIDDEN_TIP_MM = 8.0, 1.0, 3.0, 12.0
 """Standard deviations of the tracker's tips (measured on virtual hands at 0.5 m: 4 mm off at the
-median, 28 at worst), and of tips in the depth image, with and without two clear sides."""
+median, 28 at worst), and of tips in the depth image: with and without two clear sides, and where
+another finger hides them."""
 LOWER_MM = 8.0
 """Of two possible places the fingertip is lower than a knuckle by this (chosen: half a finger's
 thickness)."""
+HAND_MM, HAND_MM_S2 = 4.0, 10_000.0
+"""Accuracy of a hand's predicted place, and how fast hands accelerate (chosen: g)."""
 REMEMBERED = 8
 """Past states per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
@@ -80,6 +83,10 @@ class Track:
     shown_us: int
     """When the depth image last showed it."""
     phase: Phase = Phase.TENTATIVE
+    hand_mm_s: Place = (0.0, 0.0)
+    """Velocity of its hand between the last two detections."""
+    sigma_mm: float = 0.0
+    """Standard deviation of its last measured place."""
     off_mm: float = 0.0
     """How far the last detection is from where the finger was then."""
     off_place: int = 0
@@ -135,11 +142,20 @@ def claim(finger: Track, time_us: int, px_per_mm: float) -> Prediction | None:
 
 
 def went_px(finger: Track, time_us: int, px_per_mm: float) -> Pixel:
-    """Return how far a finger went since its last detection; `px_per_mm`: on the surface."""
+    """Return how far a finger went since its last detection; `px_per_mm`: on the surface.
+
+    By its own measured places, but not farther from its hand than a hand can accelerate: a tip
+    that was measured on another finger must not take the bones with it.
+    """
     (x, y), (was_x, was_y) = (
         finger.at(each).place_mm for each in (time_us, finger.detection.time_us)
     )
-    return _pixel((x - was_x, y - was_y), px_per_mm)
+    s = max(time_us - finger.detection.time_us, 0) / 1e6
+    hand_x, hand_y = (each * s for each in finger.hand_mm_s)
+    off_x, off_y = x - was_x - hand_x, y - was_y - hand_y
+    limit_mm = HAND_MM + 0.5 * HAND_MM_S2 * s * s
+    share = min(limit_mm / max(math.hypot(off_x, off_y), 1e-9), 1.0)
+    return _pixel((hand_x + share * off_x, hand_y + share * off_y), px_per_mm)
 
 
 def is_there(claimed: Prediction, seen: Fingertip) -> bool:
@@ -176,22 +192,35 @@ def detection_at(finger: Track, place: FingerFrame) -> Detection:
 def detected(finger: Track, place_mm: Place, time_us: int) -> tuple[Kalman, ...]:
     """Return the history of a track after a late detection, at the detection's own time.
 
-    It corrects what no frame shows; a measured tip is ten times as exact.
+    It corrects what no frame shows well; a measured tip is mostly ten times as exact. Worse
+    measurements since then are dropped.
     """
-    if finger.phase is not Phase.COASTING or time_us <= finger.history[-1].time_us:
+    if finger.phase is not Phase.COASTING and finger.sigma_mm <= LANDMARK_MM:
         return finger.history
-    state = corrected(finger.at(time_us), place_mm, LANDMARK_MM)
-    return (*finger.history, state)[-REMEMBERED:]
+    before = tuple(past for past in finger.history if past.time_us <= time_us)
+    if not before:
+        return finger.history
+    state = corrected(predicted(before[-1], time_us), place_mm, LANDMARK_MM)
+    return (*before, state)[-REMEMBERED:]
 
 
-def measured(finger: Track, time_us: int, tip: Fingertip, followed: bool, scale: float) -> Track:
+def measured(
+    finger: Track,
+    time_us: int,
+    tip: Fingertip,
+    followed: bool,
+    scale: float,
+    hidden: bool = False,
+) -> Track:
     """Return a track corrected by its tip in the present frame.
 
     `followed`: found at its predicted place, so that its motion goes on; `scale`: px a mm on the
-    surface.
+    surface; `hidden`: another finger is above it.
     """
     place_mm = tip.tip_px[0] / scale, tip.tip_px[1] / scale
     sigma_mm = TIP_MM if math.isfinite(tip.width_mm) else UNCLEAR_TIP_MM
+    if hidden:
+        sigma_mm = HIDDEN_TIP_MM
     if followed and finger.phase is not Phase.TENTATIVE:
         before, state = finger.history, corrected(finger.at(time_us), place_mm, sigma_mm)
     else:
@@ -204,6 +233,7 @@ def measured(finger: Track, time_us: int, tip: Fingertip, followed: bool, scale:
         history=(*before, state)[-REMEMBERED:],
         shown_us=time_us,
         phase=Phase.CONFIRMED,
+        sigma_mm=sigma_mm,
         moved=moved,
         px_per_mm=tip.px_per_mm,
     )

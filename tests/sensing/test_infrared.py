@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from halo_service.profile import Background
 from halo_service.sensing import SensingSettings, start, step
-from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import FingerFrame
-from halo_service.sensing.label_pixels import without_others
 from halo_service.sensing.outline import outline
-from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
-from halo_service.values import Finger, Side, Touch
+from halo_service.sensing.segmentation import infrared_silhouette, segment
+from halo_service.values import Touch
 from tests.drawn import FRAME_US, PLAIN
 
 SHAPE = (576, 640)
@@ -90,38 +88,6 @@ def test_a_finger_that_reads_below_the_surface_ends_where_infrared_ends() -> Non
 
     assert off_mm(None) > 4.0
     assert off_mm(infrared_silhouette(infrared(0.5, 0.5), EMPTY, excess, 1.0)) < 1.5
-
-
-def hand(apart: float) -> NDArray[np.float64]:
-    """Fingers that point up the image side by side, the index finger's tip at `TIP`."""
-    marks = np.full((21, 2), 500.0)
-    for finger in Finger:
-        x = TIP[0] + apart * (int(finger) - 1)
-        for joint in range(4):
-            marks[1 + 4 * int(finger) + joint] = x, TIP[1] + 75.0 - 25.0 * joint
-    return marks
-
-
-def detected(apart: float) -> Detection:
-    at = (float(TIP[0]), float(TIP[1]))
-    joint = (at[0], at[1] + 25.0)
-    return Detection(0, Side.RIGHT, Finger.INDEX, at, joint, 0.9, 1.0, True, hand(apart), at)
-
-
-@pytest.mark.parametrize("moved", [(0.0, 0.0), (7.0, -12.0)])
-def test_pixels_on_a_neighbours_bones_are_no_part_of_a_finger(moved: tuple[float, float]) -> None:
-    everything = segment(np.full(SHAPE, -20.0, np.float32), SensingSettings(), 8.0)
-    x, y = round(TIP[0] + moved[0]), round(TIP[1] + moved[1])
-    own = without_others(everything, detected(18.0), moved)
-    assert own.hand[y + 5 : y + 60, x - 5 : x + 5].all()
-    assert not own.hand[y + 5 : y + 60, x + 13 : x + 23].any()
-    assert own.free.sum() == 0
-
-
-def test_a_window_outside_the_image_stays_empty() -> None:
-    empty = np.zeros((0, 5), np.bool_)
-    nothing = Segmentation(np.zeros((0, 5), np.float32), empty, empty, empty, empty)
-    assert without_others(nothing, detected(18.0)).hand.size == 0
 
 
 def test_a_flat_finger_that_reads_like_the_surface_is_followed_into_its_touch() -> None:

@@ -9,7 +9,15 @@ import pytest
 
 from halo_service.sensing.association import associate
 from halo_service.sensing.detections import Detection
-from halo_service.sensing.tracks import Phase, Track, claim, is_there, measured, predict
+from halo_service.sensing.tracks import (
+    Phase,
+    Track,
+    claim,
+    is_there,
+    measured,
+    predict,
+    went_px,
+)
 from halo_service.values import Finger, Fingertip, Side
 
 FRAME_US = 33_333
@@ -20,7 +28,7 @@ def detection(
 ) -> Detection:
     return Detection(
         n * FRAME_US, side, finger, (x, 300.0), (x, 320.0), 0.9, 1.0, True, np.zeros((21, 2)),
-        (x, 300.0),
+        1.0,
     )  # fmt: skip
 
 
@@ -160,3 +168,55 @@ def test_a_finger_that_is_detected_elsewhere_for_long_ends() -> None:
     fingers = live(100)
     assert [finger.id for finger in associate(fingers, (detection(400, 12),), 9)] == [1, 9]
     assert [finger.id for finger in associate(fingers, (detection(400, 30),), 9)] == [9]
+
+
+def test_a_track_on_a_hand_with_that_finger_elsewhere_ends() -> None:
+    """Born of a first wrong look at a hand that comes in; the right finger has its own track."""
+    wrong, right = live(100, 300)
+    hand = replace(detection(300, 30), hand_px=np.full((21, 2), (110.0, 310.0)))
+    right = replace(right, detection=replace(right.detection, time_us=29 * FRAME_US))
+    assert [each.id for each in associate((wrong, right), (hand,), 9)] == [2]
+    far = replace(hand, hand_px=np.full((21, 2), (200.0, 310.0)))
+    assert [each.id for each in associate((wrong, right), (far,), 9)] == [1, 2]
+
+
+def moving(mm_a_frame: float) -> tuple[Track, ...]:
+    """One finger of a hand that moves to the right, up to frame 4."""
+    marks = np.full((21, 2), 400.0)
+    seen = [
+        replace(
+            detection(100.0 + mm_a_frame * n, n), hand_px=marks + np.array([mm_a_frame * n, 0.0])
+        )
+        for n in range(5)
+    ]
+    fingers = associate((), (seen[0],), 1)
+    for n in range(1, 5):
+        fingers = (measure(fingers[0], n, 100.0 + mm_a_frame * n),)
+        fingers = associate(fingers, (seen[n],), 9)
+    return fingers
+
+
+@pytest.mark.parametrize("mm_a_frame", [0.0, 6.0])
+def test_the_bones_move_with_the_finger(mm_a_frame: float) -> None:
+    finger = measure(moving(mm_a_frame)[0], 5, 100.0 + 5.0 * mm_a_frame)
+    assert went_px(finger, 5 * FRAME_US, 1.0)[0] == pytest.approx(mm_a_frame, abs=1.0)
+
+
+def test_a_tip_that_jumps_to_another_finger_does_not_take_the_bones_along() -> None:
+    finger = measure(moving(0.0)[0], 5, 130.0)
+    x, y = went_px(finger, 5 * FRAME_US, 1.0)
+    assert 0.0 < x < 12.0
+    assert y == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_hidden_tip_is_measured_worse_than_its_landmarks() -> None:
+    shown, hidden = (
+        measured(moving(0.0)[0], 5 * FRAME_US, tip(115.0), True, 1.0, hidden)
+        for hidden in (False, True)
+    )
+    assert shown.history[-1].place_mm[0] > 112.0
+    assert hidden.history[-1].place_mm[0] < 106.0
+    (seen,) = associate((hidden,), (detection(100.0, 5),), 9)
+    assert seen.history[-1].place_mm[0] < hidden.history[-1].place_mm[0]
+    (unmoved,) = associate((shown,), (detection(100.0, 5),), 9)
+    assert unmoved.history[-1] == shown.history[-1]

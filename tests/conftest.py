@@ -7,6 +7,8 @@ import shutil
 import signal
 import socket
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -34,6 +36,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 pytest_plugins = ["tests.drawn", "tests.clients.streams"]
 
 REPOSITORY = Path(__file__).parents[1]
+_EXIT_STATUS = pytest.StashKey[int]()
 DRAWING = frozenset({"calibration", "hand_tracking", "sensing", "virtual"})
 """Tests in these folders draw images, and take longer than others."""
 
@@ -48,6 +51,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run slow files first, so that all processes finish at about the same time."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: (item.path not in slow, DRAWING.isdisjoint(item.path.parts)))
+
+
+LINGER_S = 10.0
+"""Threads may end so long after the last test."""
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    session.config.stash[_EXIT_STATUS] = int(exitstatus)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End although a failed test left a Zenoh session open: its thread would never end."""
+    until_s = time.monotonic() + LINGER_S
+    left = [each for each in threading.enumerate() if not each.daemon]
+    left.remove(threading.main_thread())
+    for thread in left:
+        thread.join(max(until_s - time.monotonic(), 0.0))
+    names = ", ".join(each.name for each in left if each.is_alive())
+    if names:
+        print(f"still running after the tests: {names}", file=sys.stderr, flush=True)
+        sys.stdout.flush()
+        os._exit(config.stash.get(_EXIT_STATUS, 1))
 
 
 @pytest.fixture(scope="session", autouse=True)

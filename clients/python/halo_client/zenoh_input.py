@@ -104,7 +104,11 @@ class ZenohInput:
         """Open a session and subscribe. Raises `ZError`."""
         session = zenoh.open(zenoh_config(self._source))
         self._heard_s = time.monotonic()
-        return session, self._subscribe(session)
+        try:
+            return session, self._subscribe(session)
+        except zenoh.ZError:
+            session.close()  # the threads of its subscribers would never end
+            raise
 
     def _subscribe_to_source(self, session: zenoh.Session) -> list[zenoh.Subscriber[None]]:
         follow = self._source.follow

@@ -261,6 +261,7 @@ def control_port(settings: Settings) -> Finding:
                 False,
                 f"{where} is in use ({error.strerror})",
                 "another program has it, so a service uses a free one; or set --control-port",
+                optional=True,
             )
     return Finding("control port", True, f"{where} is free")
 

@@ -38,6 +38,7 @@ def test_every_miss_has_a_remedy(tmp_path: Path) -> None:
         assert not found[what].good, what
         assert ";" in format_finding(found[what]), "what is wrong, and then the remedy"
     assert found["packages"].good
+    assert found["control port"].optional, "a service takes a free port"
 
 
 def test_optional_parts_that_are_absent_are_none_and_not_missing() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Sequence
@@ -23,6 +24,8 @@ from halo_service.errors import UserError
 from halo_service.files import appearing
 from halo_service.host_clock import CLOCK
 
+log = logging.getLogger(__name__)
+
 
 class Drawer:
     """Merges what arrives, and draws it."""
@@ -43,6 +46,11 @@ class Drawer:
                 elif isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
                     self.add(where, event, CLOCK.unix_us())
 
+    def absent(self) -> list[Where]:
+        """Return the surfaces of which no frame has arrived."""
+        with self._lock:
+            return [where for where, node in self._canvas.nodes.items() if not node.frames]
+
     def add(self, where: Where, frame: wire.TouchFrame, arrival_us: int) -> None:
         """Merge and draw a frame."""
         merged = self._canvas.arrived(frame, arrival_us)
@@ -61,6 +69,12 @@ def draw(layout: Layout, source: ZenohSource, seconds: float, out: Path) -> None
             handle = partial(drawer.handle, where)
             stack.callback(followed(Follow(*where), source, handle).close)
         time.sleep(seconds)
+    if absent := drawer.absent():
+        names = " or ".join("/".join(each) for each in absent)
+        text = f"canvas: no frame of {names} arrived within {seconds:g} s; see 'halo list'"
+        if len(absent) == len(layout.surface):
+            raise UserError(text)
+        log.warning("%s", text)
     save(drawer.picture, out)
 
 

@@ -17,6 +17,7 @@ import halo_protocol as wire
 from halo_service.app.canvas.publisher import CanvasPublisher
 from halo_service.canvas.canvas import Canvas
 from halo_service.canvas.layout import Layout
+from halo_service.canvas.placement import placement_warnings
 from halo_service.canvas.reports import NodeReports, Own, clock_sentence
 from halo_service.canvas.seen import Where
 from halo_service.host_clock import CLOCK
@@ -37,6 +38,7 @@ class Merger:
 
     def __init__(self, layout: Layout, publisher: CanvasPublisher) -> None:
         self._lock = threading.Lock()
+        self._layout = layout
         self._canvas = Canvas(layout)
         self._publisher = publisher
         self._reports = dict.fromkeys(self._canvas.nodes, NodeReports())
@@ -45,6 +47,7 @@ class Merger:
         self._sent_us: deque[int] = deque(maxlen=wire.MAX_EVENTS)
         self._scene_us = self._health_us = 0
         self._clocks_us: int | None = None
+        self._placement_checked = False
         self.ends = False
         """Set before the nodes are closed, so that they are not logged as lost."""
 
@@ -116,9 +119,19 @@ class Merger:
                 )
             self._reports[where] = NodeReports(message, known.health)
             self._canvas.scene(where, message)
+            self._check_placement()
         elif isinstance(message, wire.Health):
             self._reports[where] = NodeReports(known.scene, message)
             self._canvas.health(where, message)
+
+    def _check_placement(self) -> None:
+        """Warn once, when the sizes of all surfaces are known."""
+        areas = [each.area for each in self._canvas.nodes.values()]
+        if self._placement_checked or not all(each.size_mm for each in areas):
+            return
+        self._placement_checked = True
+        for warning in placement_warnings(self._layout, areas):
+            log.warning("%s", warning)
 
     def _lose(self, where: Where, session: str) -> None:
         """Forget a node, unless a newer session of it has begun."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -108,6 +109,7 @@ def test_a_pointer_keeps_its_colour_over_the_seam(tmp_path: Path) -> None:
         for event in assembler.receive_data(each.datagram, each.arrival_s):
             assert isinstance(event, wire.TouchFrame)
             drawer.add((each.node, "table"), event, START_US + round(each.arrival_s * 1e6))
+    assert not drawer.absent()
     save(drawer.picture, tmp_path / "canvas.png")
     image = cv2.imread(str(tmp_path / "canvas.png"))
     assert image is not None
@@ -115,3 +117,17 @@ def test_a_pointer_keeps_its_colour_over_the_seam(tmp_path: Path) -> None:
     columns = np.flatnonzero((image == colour(1)).all(axis=2).any(axis=0)) / px_per_mm - 20.0
     assert columns.min() < seam_mm - 80.0
     assert columns.max() > seam_mm + 70.0
+
+
+def test_no_picture_is_written_where_no_frame_arrives(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], free_port: Callable[[], int]
+) -> None:
+    (layout := tmp_path / "layout.toml").write_text(
+        'width_mm = 300.0\nheight_mm = 200.0\n[[surface]]\nnode = "left"\n'
+    )
+    out = tmp_path / "canvas.png"
+    place = f"tcp/127.0.0.1:{free_port()}"
+    options = ["draw", str(layout), "--out", str(out), "--seconds", "0.1", "--connect", place]
+    assert main(["canvas", *options]) == 2
+    assert "no frame of left/table arrived within 0.1 s" in capsys.readouterr().err
+    assert not out.exists()

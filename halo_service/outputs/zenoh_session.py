@@ -57,12 +57,19 @@ def open_session(
         session = zenoh.open(config)
         return session, Connections(session, _connects(config))
     except zenoh.ZError as error:
-        listen, connect = (_endpoints(config, key) for key in ("listen", "connect"))
-        raise UserError(
-            f"zenoh: cannot listen at {', '.join(settings.listen) or listen} or connect to "
-            f"{', '.join(settings.connect) or connect} ({reason(error)}); another service or "
-            f"router may have the port: {remedy}"
-        ) from error
+        raise UserError(_refusal(config, settings, reason(error), remedy)) from error
+
+
+def _refusal(config: zenoh.Config, settings: ZenohSettings, why: str, remedy: str) -> str:
+    """Say what could not be opened, and what to do."""
+    listen = ", ".join(settings.listen) or _endpoints(config, "listen")
+    connect = ", ".join(settings.connect) or _endpoints(config, "connect")
+    tried = [f"listen at {listen}"] if listen else []
+    tried += [f"connect to {connect}"] if connect else []
+    remedy = f"another service or router may have the port: {remedy}"
+    if why.startswith("Endpoints must be"):
+        remedy = "write endpoints as tcp/HOST:PORT"
+    return f"zenoh: cannot {' or '.join(tried) or 'open'} ({why}); {remedy}"
 
 
 def reason(error: zenoh.ZError) -> str:
@@ -98,12 +105,14 @@ def _base_config(path: str, mode: str) -> zenoh.Config:
     """Read the user's Zenoh configuration; without one, Zenoh's defaults."""
     if not path:
         return zenoh.Config()
+    file = from_home(path)
     try:
-        return zenoh.Config.from_file(from_home(path))
+        return zenoh.Config.from_file(file)
     except zenoh.ZError as error:
         setting = "the file" if mode == "router" else "[zenoh] config"
+        why = reason(error) if file.is_file() else "file not found"
         raise UserError(
-            f"zenoh: the configuration {path} cannot be read ({reason(error)}); "
+            f"zenoh: the configuration {path} cannot be read ({why}); "
             f"correct {setting}, or leave it out"
         ) from error
 
@@ -129,4 +138,4 @@ def _protocol_and_port(locator: str) -> tuple[str, str]:
 
 
 def _endpoints(config: zenoh.Config, key: str) -> str:
-    return config.get_json(f"{key}/endpoints").strip("[]").replace('"', "") or "nothing"
+    return str(config.get_json(f"{key}/endpoints")).strip("[]").replace('"', "")

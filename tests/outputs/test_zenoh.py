@@ -154,7 +154,7 @@ def test_settings_override_the_file_and_the_file_overrides_defaults(
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (None, "No such file"),
+        (None, "file not found"),
         ("{ listen: ", "expected array"),
         ("{ lisen: 3 }", "unknown field `lisen`"),
     ],

@@ -36,8 +36,10 @@ def test_a_service_and_a_client_meet_at_it(spawn: Spawn, free_port: Callable[[],
     ("options", "says"),
     [
         ([], "name an address to listen on, such as --listen tcp/0.0.0.0:7447"),
-        (["--listen", "nonsense"], "name another one with --listen"),
-        (["nowhere.json5"], "the configuration nowhere.json5 cannot be read"),
+        (["--listen", "nonsense"], "zenoh: cannot listen at nonsense (Endpoints"),
+        (["--listen", "nonsense"], "; write endpoints as tcp/HOST:PORT"),
+        (["--listen", "tcp/256.0.0.1:1"], "name another one with --listen"),
+        (["nowhere.json5"], "nowhere.json5 cannot be read (file not found)"),
     ],
 )
 def test_wrong_options_are_one_sentence(

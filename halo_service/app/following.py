@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 
 from halo_client import Follow, Input, Receiver, Silence
 from halo_client.errors import EndOfStream
 from halo_client.receiver import NodeWatch
-from halo_protocol import ANY, Event
+from halo_protocol import ANY, Event, Lost, TouchFrame
 from halo_service.runtime.error_log import ErrorLog
 
 log = logging.getLogger(__name__)
@@ -74,6 +75,18 @@ class Following:
                 said = silence.notice(events, time.monotonic())
                 if said and not self.receiver.ended:
                     log.info("%s", said)
+
+
+def received_events(events: Iterable[Event]) -> Iterator[Event]:
+    """Yield the events of a turn without the frame that a receiver adds where a node is lost.
+
+    It has no pointers, and the time of the last frame that was sent.
+    """
+    for event, following in pairwise([*events, None]):
+        if event is not None and not (
+            isinstance(event, TouchFrame) and isinstance(following, Lost)
+        ):
+            yield event
 
 
 class _Tap:

@@ -8,7 +8,6 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -16,6 +15,7 @@ import cv2
 import halo_protocol as wire
 from halo_client import Follow, ZenohSource
 from halo_service.app.canvas.run import followed
+from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.picture import Picture
@@ -38,12 +38,12 @@ class Drawer:
     def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
         with self._lock:
-            for event, following in pairwise([*events, None]):
+            for event in received_events(events):
                 if isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
                     self._canvas.scene(where, event.message)
                 elif isinstance(event, wire.Report) and isinstance(event.message, wire.Health):
                     self._canvas.health(where, event.message)
-                elif isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
+                elif isinstance(event, wire.TouchFrame):
                     self.add(where, event, CLOCK.unix_us())
 
     def absent(self) -> list[Where]:

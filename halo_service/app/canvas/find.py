@@ -8,11 +8,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import halo_protocol as wire
 from halo_client import Follow, ZenohSource
 from halo_service.app.canvas.run import followed
+from halo_service.app.following import received_events
 from halo_service.canvas.finding.marker import MarkerError, between
 from halo_service.canvas.finding.placing import Between, placed
 from halo_service.canvas.finding.rigid import RigidFit, fit
@@ -49,8 +50,8 @@ class Collector:
     def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
         with self._lock:
-            for event, following in pairwise([*events, None]):
-                if isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
+            for event in received_events(events):
+                if isinstance(event, wire.TouchFrame):
                     self.touches[where].receive(event, self._now_us())
                 elif isinstance(event, wire.Lost):
                     self.touches[where] = NodeTouches(touches=self.touches[where].touches)

@@ -11,10 +11,10 @@ import statistics
 import threading
 from collections import deque
 from collections.abc import Sequence
-from itertools import pairwise
 
 import halo_protocol as wire
 from halo_service.app.canvas.publisher import CanvasPublisher
+from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.placement import placement_warnings
@@ -56,10 +56,10 @@ class Merger:
         if not events:
             return
         with self._lock:
-            for event, following in pairwise([*events, None]):
+            for event in received_events(events):
                 if isinstance(event, wire.Report):
                     self._note(where, event.message)
-                elif isinstance(event, wire.TouchFrame) and not isinstance(following, wire.Lost):
+                elif isinstance(event, wire.TouchFrame):
                     now_us = CLOCK.unix_us()
                     self._waiting_us.append(now_us)
                     self._send(self._canvas.arrived(event, now_us))

@@ -335,7 +335,8 @@ class Health:
     clock_offset_ms: float = 0.0
     """Of a canvas: how far a node's clock is behind its own, for the node that is off most."""
     clock_deviation_ms: float = -1.0
-    """Standard deviation of that, without the shortest time on the way; -1 if unknown."""
+    """Error of that, apart from the shortest time on the way: median distance of the delays from
+    the line below them; -1 if unknown."""
 
 
 Message = Frame | Pointer | Alive | Down | Up | Scene | Homography | Pose | Health

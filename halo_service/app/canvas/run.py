@@ -41,6 +41,7 @@ log = logging.getLogger(__name__)
 
 LOCAL, PORTS = "127.0.0.1", range(7447, 7467)
 """Where Zenoh listens: by default at the first of these ports that is free."""
+HERE = (LOCAL, "localhost", "[::1]")
 TURN_S = 0.05
 """How often clients that ask for the stream are answered."""
 
@@ -115,10 +116,16 @@ def check(settings: Settings, layout: Layout) -> None:
 
 
 def _with_free_port(settings: Settings) -> Settings:
-    """Let Zenoh listen on the next free port where the user named none and one is in use."""
+    """Let Zenoh listen on a free port where the user named none.
+
+    A port where a node of this machine is expected stays free for it: it may start later.
+    """
     if not settings.zenoh.enabled or settings.zenoh.listen or settings.zenoh.config:
         return settings
-    port = next((each for each in PORTS if _is_free(LOCAL, each)), 0)
+    expected = {
+        port for port in PORTS for host in HERE if f"tcp/{host}:{port}" in settings.zenoh.connect
+    }
+    port = next((each for each in PORTS if each not in expected and _is_free(LOCAL, each)), 0)
     listen = f"tcp/{LOCAL}:{port}"
     return replace(settings, zenoh=replace(settings.zenoh, listen=(listen,)))
 

@@ -39,7 +39,7 @@ def examine_network(settings: Settings, connect: Sequence[str] = ()) -> list[Fin
         *(finding for each in shown for finding in reached[each][0]),
         *scouts.findings(),
         *nodes.findings(received),
-        *_nobody(received, [each for each in named if reached[each][1]], named),
+        *_none_found(received, [each for each in named if reached[each][1]], named),
     ]
 
 
@@ -61,7 +61,7 @@ def _networks(here: Sequence[Card]) -> Finding:
     return Finding("networks", not alone, state, remedy, optional=True)
 
 
-def _nobody(
+def _none_found(
     received: nodes.Received, answering: Sequence[ZenohSource], named: Sequence[ZenohSource]
 ) -> list[Finding]:
     """Return a finding if no node was found; a fault where a router or service answers."""

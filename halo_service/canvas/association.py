@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from halo_service.canvas.blend import velocity
-from halo_service.canvas.seen import Seen
+from halo_service.canvas.detections import Detection
 from halo_service.canvas.tracks import Track
 
 LAYOUT_MM = 2.5
@@ -39,7 +39,7 @@ ONE_GATE = 2.0
 """Tracks of different nodes that are nearer are one finger."""
 
 
-def assign(tracks: Sequence[Track], pointers: Sequence[Seen], time_us: int) -> dict[int, int]:
+def assign(tracks: Sequence[Track], pointers: Sequence[Detection], time_us: int) -> dict[int, int]:
     """Return the number of each pointer's track, for those that belong to one."""
     if not tracks or not pointers:
         return {}
@@ -48,7 +48,7 @@ def assign(tracks: Sequence[Track], pointers: Sequence[Seen], time_us: int) -> d
     return {int(i): int(j) for i, j in pairs if costs[i, j] < IMPOSSIBLE}
 
 
-def is_apart(track: Track, seen: Seen) -> bool:
+def is_apart(track: Track, seen: Detection) -> bool:
     """Whether one node's report is far from what all together say."""
     away_mm = math.dist(track.place_mm(seen.time_us), seen.place_mm)
     return away_mm > GATE_MM or away_mm > 2.0 * GATE * _deviation(track, seen)
@@ -68,7 +68,7 @@ def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Trac
             yield (a, b) if a.id < b.id else (b, a)
 
 
-def _cost(track: Track, seen: Seen, time_us: int) -> float:
+def _cost(track: Track, seen: Detection, time_us: int) -> float:
     """Return twice the negative logarithm of how likely a pointer is a track's."""
     away_mm = math.dist(track.place_mm(time_us), seen.place_mm)
     away = away_mm / _deviation(track, seen)
@@ -84,7 +84,7 @@ def _cost(track: Track, seen: Seen, time_us: int) -> float:
     return cost if cost < 2.0 * GATE**2 else IMPOSSIBLE
 
 
-def _deviation(track: Track, seen: Seen) -> float:
+def _deviation(track: Track, seen: Detection) -> float:
     """Return the standard deviation of the distance of a pointer from its track, mm."""
     of_track = velocity(track.blend, seen.time_us)
     speed_mm_s = max(math.hypot(*seen.velocity_mm_s), math.hypot(*of_track))

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from halo_service.canvas.seen import LONGEST_S, Member, Place, Seen
+from halo_service.canvas.detections import LONGEST_S, Detection, Member, Place
 
 SETTLE_S = 0.08
 """Time constant with which weights and offsets follow."""
@@ -24,8 +24,8 @@ STALE_US = 150_000
 class Blend:
     """The reports of one finger."""
 
-    def __init__(self, seen: Seen) -> None:
-        self.seen: dict[Member, Seen] = {}
+    def __init__(self, seen: Detection) -> None:
+        self.seen: dict[Member, Detection] = {}
         self._weights: dict[Member, float] = {}
         self._offset: Place = (0.0, 0.0)
         self._offset_us = seen.time_us
@@ -33,7 +33,7 @@ class Blend:
         """Where the finger was when the last report ended."""
         self._put(seen, 1.0)
 
-    def update(self, seen: Seen) -> None:
+    def update(self, seen: Detection) -> None:
         """Replace a report by a newer one, or add one."""
         before = self.seen.get(seen.member)
         if before is None:
@@ -62,7 +62,7 @@ class Blend:
         decay = math.exp(-max(time_us - self._offset_us, 0) / 1e6 / SETTLE_S)
         return x + decay * self._offset[0], y + decay * self._offset[1]
 
-    def mean(self, value: Callable[[Seen], float], of: set[Member], time_us: int) -> float:
+    def mean(self, value: Callable[[Detection], float], of: set[Member], time_us: int) -> float:
         """Return the weighted mean of a value over some members; nan for none."""
         pairs = [(w, value(each)) for w, each in self._fresh(time_us) if each.member in of]
         total = sum(w for w, _ in pairs)
@@ -74,17 +74,17 @@ class Blend:
         weight = sum(map(_weight, self.seen.values())) or _weight(self._last)
         return 1.0 / math.sqrt(weight)
 
-    def best(self) -> Seen:
+    def best(self) -> Detection:
         """Return the report with the most weight."""
         if not self.seen:
             return self._last
         return self.seen[max(self._weights, key=lambda each: self._weights[each])]
 
-    def _put(self, seen: Seen, share: float) -> None:
+    def _put(self, seen: Detection, share: float) -> None:
         self.seen[seen.member] = seen
         self._weights[seen.member] = share * _weight(seen)
 
-    def _fresh(self, time_us: int) -> Iterator[tuple[float, Seen]]:
+    def _fresh(self, time_us: int) -> Iterator[tuple[float, Detection]]:
         """Yield the weights and reports that count."""
         newest_us = max((each.time_us for each in self.seen.values()), default=time_us)
         for member, each in self.seen.items():
@@ -112,7 +112,7 @@ class Blend:
         self._offset_us = time_us
 
 
-def _weight(seen: Seen) -> float:
+def _weight(seen: Detection) -> float:
     return 1.0 / seen.deviation_mm**2
 
 

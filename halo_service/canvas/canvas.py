@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import Clock
+from halo_service.canvas.detections import Area, Where
 from halo_service.canvas.fusion import Fusion, NodeFrame
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.pace import Pace
-from halo_service.canvas.seen import Area, Where
 from halo_service.values import TouchFrame
 
 
@@ -124,7 +124,7 @@ def _on_canvas(node: Node, frame: wire.TouchFrame) -> NodeFrame:
     return NodeFrame(
         area.where,
         time_us,
-        tuple(area.seen(each, time_us) for each in frame.pointers),
+        tuple(area.detection(each, time_us) for each in frame.pointers),
         tuple(
             ((area.where, each.id), each, area.event(each, time_us))
             for each in frame.events[: wire.MAX_EVENTS]

@@ -13,7 +13,7 @@ from itertools import count
 
 import halo_protocol as wire
 from halo_service.canvas.association import APART_US, assign, doubles, is_apart, load_solver
-from halo_service.canvas.seen import Area, Member, NodeEvent, Place, Seen, Where
+from halo_service.canvas.detections import Area, Detection, Member, NodeEvent, Place, Where
 from halo_service.canvas.touches import Change
 from halo_service.canvas.tracks import IN_AIR, Track, decide_sides
 from halo_service.values import Pointer, TouchEvent
@@ -39,7 +39,7 @@ class NodeFrame:
     where: Where
     time_us: int
     """On the canvas's clock."""
-    pointers: tuple[Seen, ...] = ()
+    pointers: tuple[Detection, ...] = ()
     events: tuple[tuple[Member, wire.Down | wire.Up, NodeEvent], ...] = ()
     """Those of one finger in order of time."""
 
@@ -127,7 +127,7 @@ class Fusion:
             if where != mine
         )
 
-    def _start(self, new: Sequence[Seen], frame: NodeFrame) -> None:
+    def _start(self, new: Sequence[Detection], frame: NodeFrame) -> None:
         """Assign new pointers of a node to tracks that it does not see yet, or start tracks."""
         free = [track for track in self.tracks if self._is_free(track, frame.where)]
         assigned = assign(free, new, frame.time_us)
@@ -143,7 +143,7 @@ class Fusion:
         mine = [seen for (node, _), seen in track.members.items() if node == where]
         return all(seen.weak or is_apart(track, seen) for seen in mine)
 
-    def _replace(self, track: Track, seen: Seen) -> None:
+    def _replace(self, track: Track, seen: Detection) -> None:
         """Give a track a node's new pointer, in the place of a weak one of this node."""
         old = [member for member in track.members if member[0] == seen.member[0]]
         touched = any(track.touches.knows(member) for member in old)
@@ -153,12 +153,12 @@ class Fusion:
             self._note(track, track.touches.up(member, event, vanished=True, returns=touched))
             track.remove(member, seen.time_us)
 
-    def _waits(self, seen: Seen) -> bool:
+    def _waits(self, seen: Detection) -> bool:
         """Whether to start no track yet: the pointer is weak, and another node may see it."""
         near = self._may_return_at(seen.place_mm, seen.member[0])
         return seen.weak and not seen.pointer.touching and near
 
-    def _started(self, seen: Seen) -> Track:
+    def _started(self, seen: Detection) -> Track:
         slots = {track.slot for track in self.tracks}
         slot = next(each for each in count() if each not in slots)
         track = Track(next(self._ids), slot, seen)

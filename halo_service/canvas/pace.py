@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from statistics import median
 
-from halo_service.canvas.seen import Where
+from halo_service.canvas.detections import Where
 
 INTERVALS = 16
 """A node's period is the median of so many intervals of its frames."""

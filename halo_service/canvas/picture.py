@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halo_protocol as wire
+from halo_service.canvas.detections import Area, Place, Where, mapped
 from halo_service.canvas.layout import Layout
-from halo_service.canvas.seen import Area, Place, Where, mapped
 from halo_service.values import Touch, TouchFrame
 
 MARGIN_MM = 20.0

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from halo_service.canvas.detections import Area
 from halo_service.canvas.layout import Layout
-from halo_service.canvas.seen import Area
 
 LEAST_OVERLAP_MM = 40.0
 """A camera needs some frames to find a finger that comes in."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import ClockFit
+from halo_service.canvas.detections import Where
 from halo_service.canvas.layout import CanvasProjector, Layout, Matrix
-from halo_service.canvas.seen import Where
 
 REVISION = 1
 """A layout does not change while the canvas runs."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from halo_service.canvas.seen import Member, NodeEvent
+from halo_service.canvas.detections import Member, NodeEvent
 
 SAME_US = 80_000
 """Downs of two nodes so near in time are one: they differ by up to two frames. People tap with one

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import halo_protocol as wire
 from halo_service.canvas.blend import Blend, velocity
-from halo_service.canvas.seen import Member, Place, Seen, Where
+from halo_service.canvas.detections import Detection, Member, Place, Where
 from halo_service.canvas.touches import RETURN_US, Change, MergedTouches
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch
 
@@ -27,7 +27,7 @@ NO_DIAGNOSTICS = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), *([math.nan] * 6))
 class Track:
     """One finger; its id and slot never change."""
 
-    def __init__(self, id: int, slot: int, seen: Seen) -> None:  # noqa: A002 - the wire's name
+    def __init__(self, id: int, slot: int, seen: Detection) -> None:  # noqa: A002 - the wire's name
         self.id, self.slot = id, slot
         self.blend = Blend(seen)
         self.touches = MergedTouches()
@@ -46,7 +46,7 @@ class Track:
         self.finger = _finger(seen.pointer.finger)
 
     @property
-    def members(self) -> dict[Member, Seen]:
+    def members(self) -> dict[Member, Detection]:
         """The reports of all nodes that see it."""
         return self.blend.seen
 
@@ -64,7 +64,7 @@ class Track:
         """Return where it is at a time."""
         return self.blend.place_mm(time_us)
 
-    def update(self, seen: Seen) -> None:
+    def update(self, seen: Detection) -> None:
         """Note a newer report of a node."""
         self.vanished_us = None
         before = self.members.get(seen.member)

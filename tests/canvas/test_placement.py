@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from halo_service.canvas.detections import Area
 from halo_service.canvas.layout import Layout, PlacedSurface
 from halo_service.canvas.placement import overlap_mm, placement_warnings
-from halo_service.canvas.seen import Area
 
 
 def area(node: str, x_mm: float, y_mm: float = 0.0, angle_deg: float = 0.0) -> Area:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from halo_service.canvas.seen import NodeEvent
+from halo_service.canvas.detections import NodeEvent
 from halo_service.canvas.touches import MergedTouches
 
 A = (("left", "table"), 1)

@@ -17,9 +17,9 @@ from halo_client import Follow, ZenohSource
 from halo_service.app.canvas.run import followed
 from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
+from halo_service.canvas.detections import Where
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.picture import Picture
-from halo_service.canvas.seen import Where
 from halo_service.errors import UserError
 from halo_service.files import appearing
 from halo_service.host_clock import CLOCK

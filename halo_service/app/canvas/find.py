@@ -14,12 +14,12 @@ import halo_protocol as wire
 from halo_client import Follow, ZenohSource
 from halo_service.app.canvas.run import followed
 from halo_service.app.following import received_events
+from halo_service.canvas.detections import Place, Where
 from halo_service.canvas.finding.marker import MarkerError, between
 from halo_service.canvas.finding.placing import Between, placed
 from halo_service.canvas.finding.rigid import RigidFit, fit
 from halo_service.canvas.finding.touched import NodeTouches, pairs
 from halo_service.canvas.layout import Layout
-from halo_service.canvas.seen import Place, Where
 from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 

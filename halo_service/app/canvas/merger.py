@@ -16,10 +16,10 @@ import halo_protocol as wire
 from halo_service.app.canvas.publisher import CanvasPublisher
 from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
+from halo_service.canvas.detections import Where
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.placement import placement_warnings
 from halo_service.canvas.reports import NodeReports, Own, clock_sentence
-from halo_service.canvas.seen import Where
 from halo_service.host_clock import CLOCK
 from halo_service.runtime.memory import memory_mb
 from halo_service.values import TouchFrame

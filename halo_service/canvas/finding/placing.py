@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from halo_service.canvas.detections import Place, Where, mapped
 from halo_service.canvas.layout import Layout, Matrix, PlacedSurface
-from halo_service.canvas.seen import Place, Where, mapped
 
 
 @dataclass(frozen=True, slots=True)

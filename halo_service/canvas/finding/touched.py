@@ -14,8 +14,8 @@ import numpy as np
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import Clock
+from halo_service.canvas.detections import Place
 from halo_service.canvas.finding.rigid import Places
-from halo_service.canvas.seen import Place
 from halo_service.canvas.touches import SAME_US
 
 MOST = 1024

@@ -16,9 +16,9 @@ from benchmarks.merging.truth import Finger, Truth
 from halo_service.app.canvas.draw import Drawer, save
 from halo_service.app.canvas.find import Collector, by_touch
 from halo_service.app.cli import main
+from halo_service.canvas.detections import Where
 from halo_service.canvas.finding.placing import placed
 from halo_service.canvas.picture import colour
-from halo_service.canvas.seen import Where
 from halo_service.errors import UserError
 
 PLACES = ((265.0, 20.0), (295.0, 60.0), (270.0, 110.0), (292.0, 150.0), (275.0, 185.0))

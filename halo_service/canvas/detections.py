@@ -30,7 +30,7 @@ LONGEST_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class Detection:
     """What one node reports of one finger."""
 
     member: Member
@@ -48,12 +48,12 @@ class Seen:
         """Whether the node hardly sees the finger."""
         return self.pointer.confidence < WEAK_CONFIDENCE
 
-    def coasts(self, now: Seen) -> bool:
+    def coasts(self, now: Detection) -> bool:
         """Whether a newer report repeats this one: the node does not see the finger now."""
         same = (self.pointer.x_mm, self.pointer.y_mm) == (now.pointer.x_mm, now.pointer.y_mm)
         return same and now.pointer.confidence < self.pointer.confidence
 
-    def coasting(self, now: Seen) -> Seen:
+    def coasting(self, now: Detection) -> Detection:
         """Return this report with all of a newer one but its place, which is this one's."""
         return replace(self, deviation_mm=now.deviation_mm, pointer=now.pointer)
 
@@ -83,7 +83,7 @@ class Area:
         self._surface_from_canvas = np.linalg.inv(self.canvas_from_surface)
         self.size_mm: Place | None = None
 
-    def seen(self, pointer: wire.Pointer, time_us: int) -> Seen:
+    def detection(self, pointer: wire.Pointer, time_us: int) -> Detection:
         """Return a pointer of this surface on the canvas."""
         place_mm = mapped(self.canvas_from_surface, (pointer.x_mm, pointer.y_mm))
         velocity = self.canvas_from_surface[:2, :2] @ (pointer.vx_mm_s, pointer.vy_mm_s)
@@ -91,7 +91,7 @@ class Area:
         deviation_mm = PLACE_MM / min(max(pointer.confidence, LEAST_CONFIDENCE), 1.0)
         deviation_mm *= 1.0 + EDGE_TIMES * math.exp(-max(edge_mm, -OUTSIDE_MM) / EDGE_MM)
         member = (self.where, pointer.id)
-        return Seen(
+        return Detection(
             member,
             time_us,
             place_mm,

@@ -286,10 +286,13 @@ def test_an_impossible_recording_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_installation_has_a_layout_and_one_truth(tmp_path: Path) -> None:
+def test_an_installation_has_a_layout_and_one_truth(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     layout, truth = tmp_path / "table.toml", tmp_path / "truth.jsonl"
     files = ["--layout", str(layout), "--canvas-truth", str(truth)]
     assert main(["simulate", "crossing,cameras=3,seed=4", *files, "--seconds", "8"]) == 0
+    assert capsys.readouterr().err == f"next: halo canvas serve {layout}\n"
     assert [each.node for each in read_layout(layout).surface] == [
         f"camera-{number}" for number in (1, 2, 3)
     ]

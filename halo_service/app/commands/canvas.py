@@ -110,7 +110,8 @@ def _find(options: argparse.Namespace) -> int:
     if options.out is not None:
         import sys
 
-        print(f"next: halo canvas serve {options.out}", file=sys.stderr)
+        connect = "".join(f" --connect {each}" for each in options.connect or ())
+        print(f"next: halo canvas serve {options.out}{connect}", file=sys.stderr)
     return 0
 
 

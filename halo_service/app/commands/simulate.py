@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Render the recording, the gallery, or both; write what belongs to an installation."""
+    from halo_service.app.files import STDOUT
     from halo_service.app.recordings.simulate import (
         InstallationRequest,
         SimulateRequest,
@@ -72,6 +73,8 @@ def run(options: argparse.Namespace) -> int:
                 options.seconds,
             )
         )
+        if options.layout not in (None, STDOUT):
+            print(f"next: halo canvas serve {options.layout}", file=sys.stderr)
     if options.scenario is not None and options.out is not None:
         request = SimulateRequest(
             options.scenario,

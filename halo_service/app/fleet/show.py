@@ -50,7 +50,7 @@ def _draw(fleet: FleetWatch, stopped: threading.Event) -> None:
 
     def picture() -> Group:
         nodes = fleet.nodes()
-        here = Text(f"{len(nodes)} nodes, {time.strftime('%H:%M:%S')}; Ctrl-C ends", "dim")
+        here = Text(f"nodes: {len(nodes)}; {time.strftime('%H:%M:%S')}; Ctrl-C ends", "dim")
         warnings = [Text(each, "bold red") for each in warnings_of(nodes)]
         return Group(here, *warnings, "", drawn(nodes) if nodes else Text(WAITING))
 

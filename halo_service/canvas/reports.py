@@ -33,7 +33,8 @@ class Own:
     session: str
     fps: float
     latency_ms: float
-    """Median from a node's frame to the canvas's that holds it; -1 if unknown."""
+    """Median from a frame's time to its sending, as of a service: what the nodes need, and what the
+    canvas adds. A canvas of this one subtracts it. -1 if unknown."""
     missed: int
     incomplete: int
     restarts: int

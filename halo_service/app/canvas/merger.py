@@ -42,8 +42,7 @@ class Merger:
         self._canvas = Canvas(layout)
         self._publisher = publisher
         self._reports = dict.fromkeys(self._canvas.nodes, NodeReports())
-        self._waiting_us: deque[int] = deque(maxlen=wire.MAX_EVENTS)
-        self._late_ms: deque[float] = deque(maxlen=wire.MAX_EVENTS)
+        self._latency_ms: deque[float] = deque(maxlen=wire.MAX_EVENTS)
         self._sent_us: deque[int] = deque(maxlen=wire.MAX_EVENTS)
         self._scene_us = self._health_us = 0
         self._clocks_us: int | None = None
@@ -60,9 +59,7 @@ class Merger:
                 if isinstance(event, wire.Report):
                     self._note(where, event.message)
                 elif isinstance(event, wire.TouchFrame):
-                    now_us = CLOCK.unix_us()
-                    self._waiting_us.append(now_us)
-                    self._send(self._canvas.arrived(event, now_us))
+                    self._send(self._canvas.arrived(event, CLOCK.unix_us()))
                 elif isinstance(event, wire.Lost):
                     self._lose(where, event.session)
 
@@ -147,8 +144,7 @@ class Merger:
         self._publisher.frame(frame)
         now_us = CLOCK.unix_us()
         self._sent_us.append(now_us)
-        self._late_ms += [(now_us - each) / 1000.0 for each in self._waiting_us]
-        self._waiting_us.clear()
+        self._latency_ms.append((now_us - frame.time_us) / 1000.0)
 
     def _send_scene(self) -> None:
         nodes = list(self._reports.values())
@@ -165,7 +161,7 @@ class Merger:
             self._publisher.node,
             self._publisher.session,
             fps=(len(recent) - 1) / span_s if span_s > 0.0 else 0.0,
-            latency_ms=statistics.median(self._late_ms) if self._late_ms else -1.0,
+            latency_ms=statistics.median(self._latency_ms) if there else -1.0,
             missed=sum(each.missed for each in nodes),
             incomplete=sum(each.incomplete for each in nodes),
             restarts=sum(each.clock.restarts for each in nodes),

@@ -24,6 +24,7 @@ from halo_service.app.canvas.publisher import CanvasPublisher
 from halo_service.app.canvas.run import followed
 from halo_service.app.cli import main
 from halo_service.canvas.layout import Layout, PlacedSurface, load
+from halo_service.host_clock import CLOCK
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import Outgoing, OutgoingFrame, OutgoingReport
@@ -238,6 +239,39 @@ def test_a_router_that_is_killed_and_restarted_leaves_no_finger_and_brings_all_b
     assert not before & {pointer.id for pointer in collected.frames[-1].pointers}
     numbers = [each.header.frame for each in collected.frames]
     assert numbers == list(range(len(numbers)))
+
+
+class Healths(Collected):
+    """A carrier that collects healths."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.healths: list[wire.Health] = []
+
+    def send(self, outgoing: Outgoing) -> None:
+        if isinstance(outgoing, OutgoingReport) and isinstance(outgoing.message, wire.Health):
+            self.healths.append(outgoing.message)
+
+
+def test_its_latency_has_that_of_its_nodes_so_that_a_canvas_of_it_is_not_late() -> None:
+    layout = Layout(300.0, 200.0, (PlacedSurface("left"),))
+    carrier, names = Healths(), NameWatch("hall", "s1")
+    publisher = CanvasPublisher(
+        layout, FrameEncoder("hall", "s1", 0), [carrier], names, 0, lambda: 0
+    )
+    merger = Merger(layout, publisher)
+    merger.turn()
+    node = wire.Health("left", "s1", 30.0, 200.0, 0, 0, 3, 1)
+    merger.handle(("left", "table"), [wire.Report("table", node)])
+    for number in range(35):
+        exposed_us = CLOCK.unix_us() - 200_000
+        sent = wire.TouchFrame("table", "left", "s1", number, exposed_us, ())
+        merger.handle(("left", "table"), [sent])
+        time.sleep(0.03)
+    merger.turn()
+    before, after = carrier.healths
+    assert before.latency_ms == -1.0
+    assert after.latency_ms >= 190.0
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "[::1]"])

@@ -26,18 +26,18 @@ class Input:
     url = "test://"
 
     def __init__(self, frames: int, error: Exception | None = None) -> None:
-        self.left, self.error = frames, error
+        self.remaining, self.error = frames, error
 
     def receive(self, timeout_s: float) -> tuple[bytes, str] | None:
         time.sleep(0.01)
-        if self.left == 0:
+        if self.remaining == 0:
             if self.error is not None:
                 raise self.error
             from halo_client.errors import EndOfStream
 
             raise EndOfStream
-        self.left -= 1
-        header = Frame("desk", "s1", 1000 - self.left, 0, 0, 0)
+        self.remaining -= 1
+        header = Frame("desk", "s1", 1000 - self.remaining, 0, 0, 0)
         return next(iter(encode_frame("table", header, (), (), ()))), "test"
 
     def close(self) -> None:

@@ -109,18 +109,15 @@ class Fusion:
         for each, message, event in frame.events:
             if each == member and not (last and event is last[-1]):
                 self._change(track, member, message, event)
-        returns = self._may_return(track, frame.where, frame.time_us)
+        returns = self._is_near_another(track.place_mm(frame.time_us), frame.where)
         event = last[-1] if last else NodeEvent(frame.time_us, track.place_mm(frame.time_us))
         self._note(track, track.touches.up(member, event, vanished=True, returns=returns))
         track.remove(member, frame.time_us)
         if not track.members and not returns:
             self._end(track, frame.time_us)
 
-    def _may_return(self, track: Track, mine: Where, time_us: int) -> bool:
-        """Whether a finger is near to the surface of another node."""
-        return self._may_return_at(track.place_mm(time_us), mine)
-
-    def _may_return_at(self, place_mm: Place, mine: Where) -> bool:
+    def _is_near_another(self, place_mm: Place, mine: Where) -> bool:
+        """Whether a place is near to the surface of another node, where a finger may appear."""
         return any(
             area.size_mm is not None and area.inside_mm(place_mm) > -RETURN_MM
             for where, area in self.areas.items()
@@ -155,7 +152,7 @@ class Fusion:
 
     def _waits(self, seen: Detection) -> bool:
         """Whether to start no track yet: the pointer is weak, and another node may see it."""
-        near = self._may_return_at(seen.place_mm, seen.member[0])
+        near = self._is_near_another(seen.place_mm, seen.member[0])
         return seen.weak and not seen.pointer.touching and near
 
     def _started(self, seen: Detection) -> Track:
@@ -189,7 +186,7 @@ class Fusion:
 
     def _up(self, track: Track, member: Member, event: NodeEvent) -> None:
         unsure = track.is_unsure(member, event.time_us)
-        returns = unsure and self._may_return(track, member[0], event.time_us)
+        returns = unsure and self._is_near_another(track.place_mm(event.time_us), member[0])
         self._note(track, track.touches.up(member, event, returns=returns))
 
     def _down(self, track: Track, member: Member, event: NodeEvent) -> None:

@@ -30,9 +30,9 @@ it outweighs a level that reads 0.2 too low)."""
 STILL = 2.0
 """A finger stops where it rises or falls by less than half of that (chosen)."""
 REST_ODDS, RISEN_MM, RISE_DEVIATION_MM = 0.5, 2.5, 1.5
-"""A finger leaves the surface by rising: log-odds for each standard deviation by which its own
-depth shows it lower than so far above its lowest place in this touch (chosen: half of what the halo
-is worth; depth repeats to a millimetre, and a finger rises by 3 mm in its first frame)."""
+"""A finger leaves the surface by rising. Its own depth, above the lowest place of the touch, is
+evidence of contact below `RISEN_MM` and evidence against it above: log-odds for each standard
+deviation (chosen; depth repeats to a millimetre, and a finger rises by 3 mm in one frame)."""
 PRIOR_ODDS = 0.9
 """Log-odds where the level is at contact and nothing else is measured (the regression gives 0.7;
 higher, so that a touch where the halo is weaker than the sweep predicts is not missed)."""

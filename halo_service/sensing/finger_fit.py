@@ -35,9 +35,9 @@ WEIGHT = 14.0
 """Of the fit against these errors: a fit that is worse by 0.07 is as unlikely as one error."""
 LEAST_FIT = 0.4
 """Of 2: a worse fit is no finger (chosen: 1.0 to 1.4 on fingers, 0.5 where half is hidden)."""
-GUESSED = 0.3
-"""Where nothing is known the fit is between nothing and that of the rest: this share is nothing
-(chosen)."""
+UNKNOWN = 0.3
+"""Weight of samples where nothing is known: 1 counts them as neither finger nor surface, 0 leaves
+them out of the means (chosen)."""
 AROUND = 3
 """Samples to each side over which the best place is averaged (chosen: half a finger)."""
 
@@ -86,7 +86,7 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
 def _mean(layers: Floats, weights: Floats, template: _Template) -> Floats:
     """Return the mean of the first layer around each sample, over what the second one knows."""
     sums = np.asarray(cv2.filter2D(layers, cv2.CV_32F, weights, anchor=template.anchor))
-    known = np.float32(GUESSED) + np.float32(1.0 - GUESSED) * sums[..., 1]
+    known = np.float32(UNKNOWN) + np.float32(1.0 - UNKNOWN) * sums[..., 1]
     return np.asarray(sums[..., 0] / known, np.float32)
 
 

@@ -8,13 +8,11 @@ import signal
 import sys
 from collections.abc import Sequence
 
+from halo_service.app.__main__ import STOPPED
 from halo_service.app.logs import set_up_logging
 from halo_service.app.parser import parse
 from halo_service.app.process import endings, give_matplotlib_a_folder, use_one_thread_each
 from halo_service.errors import UserError
-
-STOPPED = 130
-"""Exit code after Ctrl-C or SIGTERM before the work was complete, as a shell's."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -24,10 +22,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     set_up_logging(level, getattr(options, "log_json", False))
     use_one_thread_each()
     give_matplotlib_a_folder()
-    # Until a command handles them, these unwind as Ctrl-C does, so that nothing is left behind.
-    for number in endings():
-        signal.signal(number, signal.default_int_handler)
     try:
+        # Until a command handles them, these unwind as Ctrl-C does, so that nothing is left behind.
+        for number in endings():
+            signal.signal(number, signal.default_int_handler)
         code = int(options.run(options))
         sys.stdout.flush()
         return code

@@ -8,10 +8,12 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
 
+from halo_service.app import __main__ as start
 from halo_service.app.cli import main
 from halo_service.app.options import found_at
 from halo_service.app.parser import COMMANDS, parse
@@ -220,6 +222,28 @@ def test_a_terminal_that_closes_ends_a_program_unless_nohup_keeps_it() -> None:
         assert ended_by(signal.SIGHUP) == []
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("module", ["halo_service.app.cli", "halo_service.app.parser"])
+def test_ctrl_c_while_the_program_is_imported_ends_it_in_silence(module: str) -> None:
+    """Ctrl-C comes with the import of a module."""
+    assert entry_points(group="console_scripts")["halo"].value == f"{start.__name__}:main"
+    script = f"""
+import os, signal, sys
+from {start.__name__} import main
+
+class CtrlC:
+    def find_spec(self, name, path=None, target=None):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.meta_path.insert(0, CtrlC())
+sys.argv = ["halo", "serve", "--source", "sim"]
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (start.STOPPED, b"", b"")
 
 
 @pytest.mark.skipif(

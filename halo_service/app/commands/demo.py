@@ -117,7 +117,7 @@ def demo(name: str, source: str | None, rest: Sequence[str]) -> int:
     serve += ["--control-port", str(control)]
     programs: list[subprocess.Popen[bytes]] = []
     try:
-        programs.append(_start("halo_service.app.cli", *serve))
+        programs.append(_start("halo_service.app", *serve))
         print("demo: the service starts; the first time it measures its table", file=sys.stderr)
         if _sends(port, programs[0], stopped):
             print(f"demo: the service sends; {name} starts", file=sys.stderr)

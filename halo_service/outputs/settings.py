@@ -48,7 +48,8 @@ class ZenohSettings:
     enabled: bool = True
     """Send frames by Zenoh."""
     listen: tuple[str, ...] = ()
-    """Endpoints to listen on; empty: those of `config`, else tcp/127.0.0.1:7447."""
+    """Endpoints to listen on; empty: those of `config`, else tcp/127.0.0.1:7447, or where this port
+    is in use the next free one."""
     connect: tuple[str, ...] = ()
     """Endpoints of routers or peers to connect to; empty: those of `config`, else none."""
     multicast: bool = False

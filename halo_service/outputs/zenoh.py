@@ -16,7 +16,7 @@ from halo_protocol.names import ZENOH_KINDS
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import Outgoing
 from halo_service.outputs.settings import ZenohSettings
-from halo_service.outputs.zenoh_session import open_session
+from halo_service.outputs.zenoh_port import open_service
 
 RETAINED = ("scene", "homography", "pose")
 
@@ -36,7 +36,9 @@ class ZenohOutput:
 
         `copies`: names of further surfaces. Raises `UserError` when it cannot listen or connect.
         """
-        self._session, self._connections = open_session(settings, "peer")
+        self._session, self._connections, used = open_service(settings)
+        self.listen = used.listen or (used.config,)
+        """Its endpoints, or the file that names them."""
         self._last: dict[tuple[str, str], bytes] = {}
         self._publishers = {
             (each, kind): self._publisher(wire.zenoh_key(node, each, kind), kind)

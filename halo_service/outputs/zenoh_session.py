@@ -46,16 +46,21 @@ def open_session(
     settings: ZenohSettings,
     mode: str,
     remedy: str = "set [zenoh] listen or connect, or start with --no-zenoh",
+    also: Sequence[str] = (),
 ) -> tuple[zenoh.Session, Connections]:
     """Open a `peer`, a `router` or a `client`; return it and its connections.
 
-    `remedy`: what to do if it cannot listen or connect. Raises `UserError`.
+    `remedy`: what to do if it cannot listen or connect; `also`: endpoints to connect to that are
+    not reported while they are missing. Raises `UserError`.
     """
     config = _base_config(settings.config, mode)
     try:
         _set(config, settings, mode)
+        connects = _connects(config)
+        if also:
+            config.insert_json5("connect/endpoints", json.dumps([*connects, *also]))
         session = zenoh.open(config)
-        return session, Connections(session, _connects(config))
+        return session, Connections(session, connects)
     except zenoh.ZError as error:
         raise UserError(_refusal(config, settings, reason(error), remedy)) from error
 

@@ -15,6 +15,7 @@ import zenoh
 
 import halo_protocol as wire
 from halo_service.errors import UserError
+from halo_service.outputs import zenoh_port
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import OutgoingFrame, OutgoingReport
 from halo_service.outputs.settings import ZenohSettings
@@ -108,6 +109,7 @@ def opened_with(settings: ZenohSettings, monkeypatch: pytest.MonkeyPatch) -> dic
         raise zenoh.ZError("enough seen")
 
     monkeypatch.setattr(zenoh, "open", refuse)
+    monkeypatch.setattr(zenoh_port, "_is_free", lambda port: True)
     with pytest.raises(UserError, match="enough seen"):
         ZenohOutput(settings, "desk", "table")
     keys = ("listen/endpoints", "connect/endpoints", "scouting/multicast/enabled")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import secrets
-import socket
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -39,9 +38,6 @@ from halo_service.settings import Settings
 
 log = logging.getLogger(__name__)
 
-LOCAL, PORTS = "127.0.0.1", range(7447, 7467)
-"""Where Zenoh listens: by default at the first of these ports that is free."""
-HERE = (LOCAL, "localhost", "[::1]")
 TURN_S = 0.05
 """How often clients that ask for the stream are answered."""
 
@@ -52,7 +48,6 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
     `source`: the network of the nodes. Raises `UserError`.
     """
     check(settings, layout)
-    settings = _with_free_port(settings)
     wanted = destinations(settings)  # a wrong one ends the command before anything is opened
     session = f"s{secrets.token_hex(4)}"
     stopped = threading.Event()
@@ -84,8 +79,7 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
             stack.callback(announce(settings, names, web, control, **facts).close)
         log.info("canvas '%s' of node %s: %s", layout.name, settings.node, _size(layout))
         log.info("zenoh from %s: %s", ", ".join(source.connect) or source.config, _nodes(layout))
-        listen = ", ".join(settings.zenoh.listen) or settings.zenoh.config
-        log.info("zenoh for clients: %s", listen if settings.zenoh.enabled else "off")
+        log.info("zenoh for clients: %s", ", ".join(zenoh[0].listen) if zenoh else "off")
         log.info("osc to %s", ", ".join(map(str, wanted)) or "off")
         log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
         log.info("ready: run 'halo monitor' to see it; Ctrl-C ends")
@@ -113,32 +107,6 @@ def check(settings: Settings, layout: Layout) -> None:
             f"canvas: node '{settings.node}' is in the layout, so the canvas would receive itself; "
             "choose another name for the canvas with --node"
         )
-
-
-def _with_free_port(settings: Settings) -> Settings:
-    """Let Zenoh listen on a free port where the user named none.
-
-    A port where a node of this machine is expected stays free for it: it may start later.
-    """
-    if not settings.zenoh.enabled or settings.zenoh.listen or settings.zenoh.config:
-        return settings
-    expected = {
-        port for port in PORTS for host in HERE if f"tcp/{host}:{port}" in settings.zenoh.connect
-    }
-    port = next((each for each in PORTS if each not in expected and _is_free(LOCAL, each)), 0)
-    listen = f"tcp/{LOCAL}:{port}"
-    return replace(settings, zenoh=replace(settings.zenoh, listen=(listen,)))
-
-
-def _is_free(host: str, port: int) -> bool:
-    """Whether a TCP port can be opened."""
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError:
-            return False
-        return True
 
 
 def followed(

@@ -29,8 +29,13 @@ def _port(
     host, port = parts[2].strip("[]"), int(parts[3])
     protocol = "udp" if parts[1] in ("udp", "quic") else "tcp"
     if not answers and (why := _in_use(host, port, protocol)):
+        remedy = "set [zenoh] listen" if settings.listen else "a service uses the next free port"
         return Finding(
-            what, False, f"cannot be used ({why})", "another program has it; set [zenoh] listen"
+            what,
+            False,
+            f"cannot be used ({why})",
+            f"another program has it; {remedy}",
+            optional=not settings.listen,
         )
     state = "a service or router of Zenoh listens here" if answers else "is free"
     if not parts[2].startswith(LOCAL):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import halo_protocol as wire
@@ -15,7 +16,6 @@ from halo_service.host_clock import CLOCK
 from halo_service.outputs.destination import Destination, parse_destination
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.osc import OscOutput
-from halo_service.outputs.settings import LISTEN
 from halo_service.outputs.test_pattern import Pattern
 from halo_service.settings import Settings
 from halo_service.web.control_page.calls import Call
@@ -30,9 +30,16 @@ class OutputCalls:
     """Tells what is sent, and sends test patterns."""
 
     def __init__(
-        self, settings: Settings, osc: OscOutput, web: WebServer | None, observer: PageObserver
+        self,
+        settings: Settings,
+        osc: OscOutput,
+        web: WebServer | None,
+        zenoh: Sequence[str],
+        observer: PageObserver,
     ) -> None:
+        """`zenoh`: its endpoints; empty where it is off."""
         self._settings, self._osc, self._web = settings, osc, web
+        self._zenoh = zenoh
         self._observer = observer
         self._patterns: dict[str, _PatternThread] = {}
 
@@ -58,8 +65,6 @@ class OutputCalls:
 
     def _read(self, request: dict[str, Any]) -> dict[str, Any]:
         del request
-        zenoh = self._settings.zenoh
-        places = (*zenoh.listen, *zenoh.connect) or (zenoh.config or LISTEN[0],)
         return {
             "osc": [
                 {
@@ -83,7 +88,7 @@ class OutputCalls:
                     for each in (self._web.clients if self._web else ())
                 ],
             },
-            "zenoh": list(places) if zenoh.enabled else [],
+            "zenoh": list(self._zenoh),
             "node": self._settings.node,
             "pattern": self._observer.shows_pattern,
             "patterns": [to for to, each in self._patterns.items() if each.runs],

@@ -35,7 +35,7 @@ class ControlPage:
         self.observer = PageObserver(
             inner, self.server, source.camera, parts.fit, lambda: self._outputs.counts()
         )
-        self._outputs = OutputCalls(settings, parts.osc, parts.web, self.observer)
+        self._outputs = OutputCalls(settings, parts.osc, parts.web, parts.zenoh, self.observer)
         reloader = parts.reloader
         changes = SettingsCalls(settings, request.config, parts.osc, self.observer.request)
         profiles = ProfileCalls(

@@ -36,6 +36,8 @@ class Parts:
     """Shows a recording in the camera's place."""
     osc: OscOutput
     web: WebServer | None
+    zenoh: tuple[str, ...]
+    """Its endpoints; empty where it is off."""
     reloader: ProfileReloader
     fit: Callable[[], str]
     paused: threading.Event

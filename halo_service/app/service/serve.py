@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import secrets
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
@@ -32,7 +32,6 @@ from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.osc import OscOutput
-from halo_service.outputs.settings import LISTEN
 from halo_service.profile import Profile
 from halo_service.profile.store import load, profile_path, require_fit
 from halo_service.runtime.live import LiveLoop
@@ -76,6 +75,7 @@ def serve(
         osc = stack.enter_context(closing(OscOutput(wanted)))
         web = web_server(settings, names, control, stack)
         zenoh = zenoh_output(settings, names, surface, stack)
+        endpoints = (*zenoh[0].listen, *settings.zenoh.connect) if zenoh else ()
         carriers: list[Carrier] = [osc, *zenoh, *([web] if web else [])]
         profile = profile_for(source, saved, settings)
         first = wire.first_frame(CLOCK.unix_us())
@@ -103,7 +103,7 @@ def serve(
             stack.callback(tracker.close)
             reloader.on_change = tracker.reload
         paused = threading.Event()
-        parts = Parts(settings, switched, osc, web, reloader, lambda: fit.fit, paused)
+        parts = Parts(settings, switched, osc, web, endpoints, reloader, lambda: fit.fit, paused)
         page = _page(parts, page_request or PageRequest(), publisher, stack)
 
         def control_and_report(state: State, opened: Source | None) -> State:
@@ -144,7 +144,8 @@ def serve(
         log.info("settings: %s", settings_from)
         if page is not None:
             page.announce(page_request is not None and page_request.opens)
-        _log_start(settings, source, profile, node, control.port, web.url if web else "")
+        web_url = web.url if web else ""
+        _log_start(settings, source, profile, node, control.port, web_url, endpoints)
         systemd.ready()
         loop.run()
 
@@ -228,15 +229,14 @@ def _log_start(
     node: str,
     control_port: int,
     web_url: str,
+    zenoh: Sequence[str],
 ) -> None:
     """Log where everything is, and last how to see it. `web_url`: empty without a web server."""
     osc = ", ".join(map(str, destinations(settings))) or "off"
-    set_here = ", ".join(settings.zenoh.listen + settings.zenoh.connect)
-    zenoh = set_here or settings.zenoh.config or ", ".join(LISTEN)
     kind = "virtual camera" if source.kind == "virtual" else source.kind
     log.info("source: %s (%s), serial %s", kind, settings.source.name, source.camera.serial)
     log.info("calibration %s", profile.calibrated if profile else "none")
-    log.info("osc to %s; zenoh %s", osc, zenoh if settings.zenoh.enabled else "off")
+    log.info("osc to %s; zenoh %s", osc, ", ".join(zenoh) or "off")
     log.info("browsers: %s; node %s, control port %d", web_url or "off", node, control_port)
     command = _monitor(settings, web_url, control_port)
     log.info("ready: run '%s' to see it; Ctrl-C ends", command)

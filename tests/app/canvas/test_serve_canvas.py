@@ -18,7 +18,6 @@ import halo_client
 import halo_protocol as wire
 from halo_client import Follow
 from halo_client.source import ZenohSource
-from halo_service.app.canvas import run
 from halo_service.app.canvas.merger import Merger
 from halo_service.app.canvas.publisher import CanvasPublisher
 from halo_service.app.canvas.run import followed
@@ -30,7 +29,6 @@ from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import Outgoing, OutgoingFrame, OutgoingReport
 from halo_service.outputs.settings import ZenohSettings
 from halo_service.outputs.zenoh import ZenohOutput
-from halo_service.settings import Settings
 from tests.app.bridge.test_bridge import Port, opened_router, until
 from tests.app.conftest import HALO, Spawn
 from tests.outputs.samples import SIZE_MM, TOUCHING, frame
@@ -272,18 +270,6 @@ def test_its_latency_has_that_of_its_nodes_so_that_a_canvas_of_it_is_not_late() 
     before, after = carrier.healths
     assert before.latency_ms == -1.0
     assert after.latency_ms >= 190.0
-
-
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "[::1]"])
-def test_the_port_of_a_node_that_starts_later_stays_free(
-    host: str, free_port: Callable[[], int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ports = [free_port(), free_port()]
-    monkeypatch.setattr(run, "PORTS", ports)
-    there = Settings(zenoh=ZenohSettings(connect=(f"tcp/{host}:{ports[0]}",)))
-    assert run._with_free_port(there).zenoh.listen == (f"tcp/127.0.0.1:{ports[1]}",)
-    elsewhere = Settings(zenoh=ZenohSettings(connect=(f"tcp/192.168.1.10:{ports[0]}",)))
-    assert run._with_free_port(elsewhere).zenoh.listen == (f"tcp/127.0.0.1:{ports[0]}",)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from halo_client import ZenohSource
 from halo_service.app.cli import main
 from halo_service.app.doctor import NETWORK, Finding, format_finding
 from halo_service.app.fleet.node import Node, Versions
-from halo_service.app.network import interfaces, reach
+from halo_service.app.network import interfaces, ports, reach
 from halo_service.app.network.interfaces import Card
 from halo_service.app.network.nodes import Received, findings
 from halo_service.app.network.ports import zenoh_ports
@@ -100,6 +100,17 @@ def test_the_own_port_is_checked(
     line = format_finding(finding, NETWORK)
     assert line.startswith(mark)
     assert says in line
+
+
+def test_the_default_port_of_another_program_is_only_a_note(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with closing(socket.create_server(("127.0.0.1", 0))) as other:
+        monkeypatch.setattr(ports, "LISTEN", (f"tcp/127.0.0.1:{other.getsockname()[1]}",))
+        (finding,) = zenoh_ports(ZenohSettings(), CARDS, answers=False)
+    line = format_finding(finding, NETWORK)
+    assert line.startswith("note")
+    assert "a service uses the next free port" in line
 
 
 def test_a_firewall_that_is_on_is_named_with_its_command(

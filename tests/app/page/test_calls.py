@@ -195,7 +195,7 @@ def test_a_test_pattern_reaches_one_destination(
     observer: PageObserver, receiver: socket.socket
 ) -> None:
     with closing(OscOutput([])) as osc:
-        calls = OutputCalls(Settings(node="desk"), osc, None, observer)
+        calls = OutputCalls(Settings(node="desk"), osc, None, (), observer)
         run(calls, "start-pattern", to=place(receiver))
         seen: list[wire.Message] = []
         while not any(isinstance(each, wire.Pointer) for each in seen):

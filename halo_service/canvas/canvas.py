@@ -48,6 +48,22 @@ class Canvas:
         self._time_us = 0
         self._lag_us = 0
 
+    def handle(self, where: Where, event: wire.Event, now_us: int) -> TouchFrame | None:
+        """Note what arrived of a node; return the canvas's frame if it is time to send one."""
+        if isinstance(event, wire.TouchFrame):
+            return self.arrived(event, now_us)
+        if isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
+            self.scene(where, event.message)
+        elif isinstance(event, wire.Report) and isinstance(event.message, wire.Health):
+            self.health(where, event.message)
+        elif isinstance(event, wire.Lost) and self.is_session(where, event.session):
+            return self.lost(where, now_us)
+        return None
+
+    def is_session(self, where: Where, session: str) -> bool:
+        """Whether a session is the one that is there now; a newer one may have begun."""
+        return where in self.nodes and self.nodes[where].session == session
+
     def scene(self, where: Where, scene: wire.Scene) -> None:
         """Note the size of a node's surface."""
         if where in self.nodes and scene.width_mm > 0.0 and scene.height_mm > 0.0:

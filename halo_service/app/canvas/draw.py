@@ -39,23 +39,18 @@ class Drawer:
         """Note what arrived of one node; from any thread."""
         with self._lock:
             for event in received_events(events):
-                if isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
-                    self._canvas.scene(where, event.message)
-                elif isinstance(event, wire.Report) and isinstance(event.message, wire.Health):
-                    self._canvas.health(where, event.message)
-                elif isinstance(event, wire.TouchFrame):
-                    self.add(where, event, CLOCK.unix_us())
+                self.add(where, event, CLOCK.unix_us())
 
     def absent(self) -> list[Where]:
         """Return the surfaces of which no frame has arrived."""
         with self._lock:
             return [where for where, node in self._canvas.nodes.items() if not node.frames]
 
-    def add(self, where: Where, frame: wire.TouchFrame, arrival_us: int) -> None:
-        """Merge and draw a frame."""
-        merged = self._canvas.arrived(frame, arrival_us)
-        node = self._canvas.nodes[where]
-        self.picture.add_node(node.area, frame)
+    def add(self, where: Where, event: wire.Event, now_us: int) -> None:
+        """Merge and draw what arrived."""
+        merged = self._canvas.handle(where, event, now_us)
+        if isinstance(event, wire.TouchFrame):
+            self.picture.add_node(self._canvas.nodes[where].area, event)
         if merged is not None:
             self.picture.add(merged)
 

@@ -56,12 +56,11 @@ class Merger:
             return
         with self._lock:
             for event in received_events(events):
+                if isinstance(event, wire.Lost):
+                    self._note_lost(where, event.session)
+                self._send(self._canvas.handle(where, event, CLOCK.unix_us()))
                 if isinstance(event, wire.Report):
                     self._note(where, event.message)
-                elif isinstance(event, wire.TouchFrame):
-                    self._send(self._canvas.arrived(event, CLOCK.unix_us()))
-                elif isinstance(event, wire.Lost):
-                    self._lose(where, event.session)
 
     def turn(self) -> None:
         """Send what is due; a few times a second."""
@@ -115,11 +114,9 @@ class Merger:
                     message.height_mm,
                 )
             self._reports[where] = NodeReports(message, known.health)
-            self._canvas.scene(where, message)
             self._check_placement()
         elif isinstance(message, wire.Health):
             self._reports[where] = NodeReports(known.scene, message)
-            self._canvas.health(where, message)
 
     def _check_placement(self) -> None:
         """Warn once, when the sizes of all surfaces are known."""
@@ -130,13 +127,12 @@ class Merger:
         for warning in placement_warnings(self._layout, areas):
             log.warning("%s", warning)
 
-    def _lose(self, where: Where, session: str) -> None:
-        """Forget a node, unless a newer session of it has begun."""
-        if self._canvas.nodes[where].session == session:
+    def _note_lost(self, where: Where, session: str) -> None:
+        """Forget the reports of a node, unless a newer session of it has begun."""
+        if self._canvas.is_session(where, session):
             if self._reports[where].scene is not None and not self.ends:
                 log.info("%s is lost; its touches are ended", "/".join(where))
             self._reports[where] = NodeReports()
-            self._send(self._canvas.lost(where, CLOCK.unix_us()))
 
     def _send(self, frame: TouchFrame | None) -> None:
         if frame is None:

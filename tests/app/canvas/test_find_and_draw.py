@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from benchmarks.merging.truth import Finger, Truth
 from halo_service.app.canvas.draw import Drawer, save
 from halo_service.app.canvas.find import Collector, by_touch
 from halo_service.app.cli import main
+from halo_service.app.following import received_events
 from halo_service.canvas.detections import Where
 from halo_service.canvas.finding.placing import placed
 from halo_service.canvas.picture import colour
@@ -93,22 +95,41 @@ def test_wrong_options_of_find_are_one_sentence(
     assert says in said
 
 
-def test_a_pointer_keeps_its_colour_over_the_seam(tmp_path: Path) -> None:
-    layout, rectangles, (seam_mm,) = table(2)
+def drawn(truth: Truth, dies_s: float = math.inf) -> Drawer:
+    """Draw what two nodes report; the first one ends at a time."""
+    layout, rectangles, _ = table(2)
     drawer = Drawer(layout)
-    corners = ((0.5, 180.0, 100.0), (0.8, 180.0, 100.0), (1.6, 380.0, 100.0))
-    truth = Truth([Finger(corners, ((0.6, 1.5),))], 2.0)
     nodes = [
         SimulatedNode(f"node{i}", each, np.random.default_rng(i), CLOCKS)
         for i, each in enumerate(rectangles)
     ]
-    assembler = wire.Assembler()
+    assembler = wire.Assembler(0.3)
     for node in nodes:
         drawer.handle((node.name, "table"), [wire.Report("table", node.scene)])
     for each in in_order(nodes, truth):
-        for event in assembler.receive_data(each.datagram, each.arrival_s):
-            assert isinstance(event, wire.TouchFrame)
-            drawer.add((each.node, "table"), event, START_US + round(each.arrival_s * 1e6))
+        if each.node == "node0" and each.arrival_s > dies_s:
+            continue
+        events = assembler.receive_data(each.datagram, each.arrival_s)
+        for event in received_events(events):
+            assert isinstance(event, wire.TouchFrame | wire.Lost)
+            now_us = START_US + round(each.arrival_s * 1e6)
+            drawer.add((event.node, event.surface), event, now_us)
+    return drawer
+
+
+def test_the_fingers_of_a_node_that_dies_are_drawn_no_longer() -> None:
+    held, other = (
+        Finger(((0.5, x_mm, 60.0), (3.0, x_mm, 60.0)), ((0.6, 2.9),)) for x_mm in (60.0, 450.0)
+    )
+    drawer = drawn(Truth([held, other], 3.5), dies_s=1.5)
+    lengths = {round(line[0][0][0] / 10.0): len(line) for line in drawer.picture._lines.values()}
+    assert lengths[6] < 1.6 / 2.5 * lengths[45]
+
+
+def test_a_pointer_keeps_its_colour_over_the_seam(tmp_path: Path) -> None:
+    layout, _, (seam_mm,) = table(2)
+    corners = ((0.5, 180.0, 100.0), (0.8, 180.0, 100.0), (1.6, 380.0, 100.0))
+    drawer = drawn(Truth([Finger(corners, ((0.6, 1.5),))], 2.0))
     assert not drawer.absent()
     save(drawer.picture, tmp_path / "canvas.png")
     image = cv2.imread(str(tmp_path / "canvas.png"))

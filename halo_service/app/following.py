@@ -6,12 +6,15 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 
-from halo_client import Follow, Input, Receiver, Silence
+from halo_client import ClientError, Follow, Input, Receiver, Silence, ZenohSource
 from halo_client.errors import EndOfStream
 from halo_client.receiver import NodeWatch
+from halo_client.zenoh_input import ZenohInput
 from halo_protocol import ANY, Event, Lost, TouchFrame
+from halo_service.errors import UserError
 from halo_service.runtime.error_log import ErrorLog
 
 log = logging.getLogger(__name__)
@@ -75,6 +78,14 @@ class Following:
                 said = silence.notice(events, time.monotonic())
                 if said and not self.receiver.ended:
                     log.info("%s", said)
+
+
+def opened(source: ZenohSource, follow: Follow, command: str) -> ZenohInput:
+    """Subscribe to one surface; `command`: for the error. Raises `UserError`."""
+    try:
+        return ZenohInput(replace(source, follow=follow))
+    except ClientError as error:
+        raise UserError(f"{command}: {error}") from error
 
 
 def received_events(events: Iterable[Event]) -> Iterator[Event]:

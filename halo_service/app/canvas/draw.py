@@ -7,14 +7,13 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 
 import cv2
 
 import halo_protocol as wire
-from halo_client import Follow, ZenohSource
-from halo_service.app.canvas.run import followed
+from halo_client import ZenohSource
+from halo_service.app.canvas.nodes import follow_nodes
 from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
 from halo_service.canvas.detections import Where
@@ -34,6 +33,11 @@ class Drawer:
         self._lock = threading.Lock()
         self._canvas = Canvas(layout)
         self.picture = Picture(layout)
+
+    @property
+    def nodes(self) -> list[Where]:
+        """All surfaces of the layout."""
+        return list(self._canvas.nodes)
 
     def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
@@ -59,10 +63,7 @@ def draw(layout: Layout, source: ZenohSource, seconds: float, out: Path) -> None
     """Follow the nodes for some seconds, and write a PNG. Raises `UserError`."""
     drawer = Drawer(layout)
     with ExitStack() as stack:
-        for placed in layout.surface:
-            where = (placed.node, placed.surface)
-            handle = partial(drawer.handle, where)
-            stack.callback(followed(Follow(*where), source, handle).close)
+        follow_nodes(drawer.nodes, source, drawer.handle, stack)
         time.sleep(seconds)
     if absent := drawer.absent():
         names = " or ".join("/".join(each) for each in absent)

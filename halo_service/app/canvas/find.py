@@ -7,12 +7,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from functools import partial
 from itertools import combinations
 
 import halo_protocol as wire
 from halo_client import Follow, ZenohSource
-from halo_service.app.canvas.run import followed
+from halo_service.app.canvas.nodes import follow_nodes
 from halo_service.app.following import received_events
 from halo_service.canvas.detections import Place, Where
 from halo_service.canvas.finding.marker import MarkerError, between
@@ -81,9 +80,7 @@ def find(
     wheres = [(each.node, each.surface) for each in follows]
     collector = Collector(wheres)
     with ExitStack() as stack:
-        for follow in follows:
-            handle = partial(collector.handle, (follow.node, follow.surface))
-            stack.callback(followed(follow, source, handle).close)
+        follow_nodes(wheres, source, collector.handle, stack)
         _wait(lambda: len(collector.sizes_mm) == len(wheres), SCENES_S)
         if missing := [_name(each) for each in wheres if each not in collector.sizes_mm]:
             raise UserError(

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from halo_service.app.versions import service_version, zenoh_version
+from halo_service.app.service.carriers import Carriers
+from halo_service.app.versions import service_version
 from halo_service.canvas import reports
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.reports import NodeReports, Own
@@ -15,7 +16,6 @@ from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.outgoing import Outgoing, OutgoingReport, Reported
-from halo_service.runtime.error_log import ErrorLog
 from halo_service.values import TouchFrame
 
 
@@ -30,15 +30,17 @@ class CanvasPublisher:
         names: NameWatch,
         control_port: int,
         zenoh_missing: Callable[[], int],
+        zenoh_version: str = "",
     ) -> None:
-        """`zenoh_missing`: counts the endpoints without a connection."""
+        """`zenoh_missing`: counts the endpoints without a connection; `zenoh_version`: empty
+        without Zenoh."""
         self._layout = layout
         self._frames = frames
-        self._carriers = carriers
+        self._carriers = Carriers(carriers)
         self._names = names
         self._control_port = control_port
         self.zenoh_missing = zenoh_missing
-        self._errors = ErrorLog()
+        self._zenoh_version = zenoh_version
         # Now, because OpenCV is imported for it, which takes half a second.
         self._projectors = [(each, each.matrix) for each in layout.projector]
         self._copies = [layout.surface_name(each) for each in layout.projector if each.name]
@@ -62,12 +64,13 @@ class CanvasPublisher:
         collision = self._names.collision(time.monotonic())
         scene = reports.scene(own, self._layout, nodes, rate_hz, self._control_port, collision)
         self._report_all(
-            replace(scene, service_version=service_version(), zenoh_version=zenoh_version())
+            replace(scene, service_version=service_version(), zenoh_version=self._zenoh_version)
         )
         for projector, matrix in self._projectors:  # after the scene: they refer to its revision
             surface = self._layout.surface_name(projector)
             message = reports.homography(own, projector, matrix)
-            self._send(OutgoingReport(surface, message, named_only=bool(projector.name)))
+            outgoing = OutgoingReport(surface, message, named_only=bool(projector.name))
+            self._carriers.send(outgoing)
 
     def health(self, own: Own, nodes: Sequence[NodeReports]) -> None:
         """Send the health."""
@@ -87,11 +90,6 @@ class CanvasPublisher:
 
     def _send_all(self, outgoing: Outgoing) -> None:
         """Send on the canvas's surface, then for each projector that has one of its own."""
-        self._send(outgoing)
+        self._carriers.send(outgoing)
         for surface in self._copies:
-            self._send(replace(outgoing, surface=surface, named_only=True))
-
-    def _send(self, outgoing: Outgoing) -> None:
-        for carrier in self._carriers:
-            with self._errors.guard(f"output {type(carrier).__name__}"):  # the others still send
-                carrier.send(outgoing)
+            self._carriers.send(replace(outgoing, surface=surface, named_only=True))

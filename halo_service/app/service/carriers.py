@@ -7,10 +7,16 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
+import halo_protocol as wire
+from halo_service.host_clock import CLOCK
+from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import Destination, parse_destination
+from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
+from halo_service.outputs.outgoing import Outgoing
+from halo_service.runtime.error_log import ErrorLog
 from halo_service.settings import Settings
 
 if TYPE_CHECKING:
@@ -42,6 +48,27 @@ def zenoh_output(
 
     output = ZenohOutput(settings.zenoh, names.node, surface, names, copies)
     return [stack.enter_context(closing(output))]
+
+
+def frame_encoder(settings: Settings, session: str) -> FrameEncoder:
+    """Return what makes frames messages, in a session that begins now."""
+    first = wire.first_frame(CLOCK.unix_us())
+    osc = settings.osc
+    return FrameEncoder(settings.node, session, first, osc.max_bytes, osc.again_ms)
+
+
+class Carriers:
+    """All outputs of a program: an error of one does not hold up the others."""
+
+    def __init__(self, carriers: Sequence[Carrier]) -> None:
+        self._carriers = carriers
+        self._errors = ErrorLog()
+
+    def send(self, outgoing: Outgoing) -> None:
+        """Send on each of them."""
+        for carrier in self._carriers:
+            with self._errors.guard(f"output {type(carrier).__name__}"):
+                carrier.send(outgoing)
 
 
 def answer_hellos(control: ControlPort, leases: Leases) -> list[Destination]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halo_protocol as wire
+from halo_service.app.service.carriers import Carriers
 from halo_service.app.service.fit_watcher import Fit
 from halo_service.app.versions import service_version
 from halo_service.geometry.camera import Camera
@@ -17,9 +18,8 @@ from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.name_watch import NameWatch
-from halo_service.outputs.outgoing import Outgoing, OutgoingReport
+from halo_service.outputs.outgoing import OutgoingReport, Reported
 from halo_service.profile import Profile, Projector
-from halo_service.runtime.error_log import ErrorLog
 from halo_service.runtime.health import Health
 from halo_service.sensing import DEFAULT_SURFACE, State
 from halo_service.values import SourceKind, TouchFrame
@@ -59,7 +59,7 @@ class Publisher:
         `zenoh_missing`: routers and peers without a connection; `zenoh_version`: empty without
         Zenoh."""
         self._frames = frames
-        self._carriers = carriers
+        self._carriers = Carriers(carriers)
         self.kind: SourceKind = kind
         """Changes when the control page shows a recording in the camera's place."""
         self._camera = camera
@@ -70,11 +70,10 @@ class Publisher:
         self._write_errors = write_errors
         self._zenoh_missing = zenoh_missing
         self._zenoh_version = zenoh_version
-        self._errors = ErrorLog()
 
     def frame(self, frame: TouchFrame) -> None:
         """Send one frame."""
-        self._send(self._frames.encode(frame))
+        self._carriers.send(self._frames.encode(frame))
 
     def scene(self, state: State) -> None:
         """Send the scene, and pose and homography if the profile has them."""
@@ -101,12 +100,11 @@ class Publisher:
             service_version=service_version(),
             zenoh_version=self._zenoh_version,
         )
-        self._send(OutgoingReport(self._surface, scene))
+        self._report(scene)
         if profile is not None:  # after the scene: they refer to its revision
-            self._send(OutgoingReport(self._surface, self._pose(profile)))
+            self._report(self._pose(profile))
             if profile.projector is not None:
-                homography = self._homography(profile, profile.projector)
-                self._send(OutgoingReport(self._surface, homography))
+                self._report(self._homography(profile, profile.projector))
 
     def health(self, current: Health) -> None:
         """Send the health of the service."""
@@ -131,7 +129,7 @@ class Publisher:
             current.looks_hz,
             *divmod(CLOCK.unix_us(), 1_000_000),
         )
-        self._send(OutgoingReport(self._surface, health))
+        self._report(health)
 
     def _pose(self, profile: Profile) -> wire.Pose:
         frames, anchor = self._frames, profile.anchor
@@ -154,10 +152,8 @@ class Publisher:
             _numbers(projector.projector_from_surface),
         )
 
-    def _send(self, outgoing: Outgoing) -> None:
-        for carrier in self._carriers:
-            with self._errors.guard(f"output {type(carrier).__name__}"):  # the others still send
-                carrier.send(outgoing)
+    def _report(self, message: Reported) -> None:
+        self._carriers.send(OutgoingReport(self._surface, message))
 
 
 def _unix_s(date: str) -> int:

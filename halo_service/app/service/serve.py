@@ -14,7 +14,13 @@ from halo_service.app.hand_detector import HandDetector, model_for
 from halo_service.app.page.parts import PageRequest, Parts
 from halo_service.app.process import stop_on_signals
 from halo_service.app.progress import progress
-from halo_service.app.service.carriers import announce, destinations, web_server, zenoh_output
+from halo_service.app.service.carriers import (
+    announce,
+    destinations,
+    frame_encoder,
+    web_server,
+    zenoh_output,
+)
 from halo_service.app.service.control_handler import ControlHandler
 from halo_service.app.service.fit_watcher import FitWatcher
 from halo_service.app.service.profile_reloader import ProfileReloader
@@ -24,11 +30,9 @@ from halo_service.app.sources import open_source
 from halo_service.app.versions import zenoh_version
 from halo_service.errors import UserError
 from halo_service.geometry.camera import Camera
-from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import EXAMPLE, parse_destination
-from halo_service.outputs.frame_encoder import FrameEncoder
 from halo_service.outputs.leases import Leases
 from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.osc import OscOutput
@@ -78,15 +82,13 @@ def serve(
         endpoints = (*zenoh[0].listen, *settings.zenoh.connect) if zenoh else ()
         carriers: list[Carrier] = [osc, *zenoh, *([web] if web else [])]
         profile = profile_for(source, saved, settings)
-        first = wire.first_frame(CLOCK.unix_us())
-        frames = FrameEncoder(node, session, first, settings.osc.max_bytes, settings.osc.again_ms)
         folder = profile_path(settings.profile) if settings.profile else None
         reloader = ProfileReloader(folder, source.camera, profile)
         stack.callback(reloader.close)
         fit = FitWatcher(lambda: reloader.profile)
         stack.callback(fit.close)
         publisher = Publisher(
-            frames,
+            frame_encoder(settings, session),
             carriers,
             source.kind,
             source.camera,

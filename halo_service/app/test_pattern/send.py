@@ -3,38 +3,24 @@
 from __future__ import annotations
 
 import logging
-import secrets
-import threading
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
 
 import halo_protocol as wire
-from halo_service.app.process import stop_on_signals
-from halo_service.app.service.carriers import (
-    answer_hellos,
-    destinations,
-    web_server,
-    zenoh_output,
-)
+from halo_service.app.service.carriers import frame_encoder, zenoh_output
+from halo_service.app.service.client_ports import ClientPorts
 from halo_service.app.versions import service_version, zenoh_version
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
-from halo_service.outputs.control import ControlPort
 from halo_service.outputs.destination import Destination
 from halo_service.outputs.frame_encoder import FrameEncoder
-from halo_service.outputs.leases import Leases
-from halo_service.outputs.name_watch import NameWatch
 from halo_service.outputs.osc import OscOutput
 from halo_service.outputs.outgoing import OutgoingReport
 from halo_service.outputs.test_pattern import Pattern
 from halo_service.settings import Settings
 from halo_service.values import TouchFrame
-
-if TYPE_CHECKING:
-    from halo_service.outputs.zenoh import ZenohOutput
 
 log = logging.getLogger(__name__)
 
@@ -42,47 +28,27 @@ RATE_HZ = 30.0
 SCENE_S, HEALTH_S = 0.5, 1.0
 
 
-class Stop(Protocol):
-    """An event, as `threading.Event`."""
-
-    def wait(self, timeout: float) -> bool:
-        """Wait; True: it is set."""
-
-
 def send_pattern(settings: Settings, only: Sequence[Destination], seconds: float | None) -> None:
     """Send until Ctrl-C or for some seconds, on every output of the settings.
 
     `only`: send to these alone; empty: on every output.
     """
-    session = f"s{secrets.token_hex(4)}"
-    stopped = threading.Event()
-    stop_on_signals(stopped.set)
     with ExitStack() as stack:
-        control = ControlPort(settings.control.host, settings.control.port)
-        stack.callback(control.close)
-        names = NameWatch(settings.node, session)
-        to = list(only) or destinations(settings)
-        osc = stack.enter_context(closing(OscOutput(to)))
-        carriers: list[Carrier] = [osc]
-        zenoh: list[ZenohOutput] = []
-        if not only:
-            zenoh = zenoh_output(settings, names, Pattern().surface, stack)
-            carriers += zenoh
-            web = web_server(settings, names, control, stack)
-            carriers += [web] if web else []
-            log.info("browsers: %s; control port %d", web.url if web else "off", control.port)
-        log.info("osc to %s", ", ".join(map(str, to)) or "off")
+        ports = ClientPorts(settings, settings.node, stack, only)
+        osc = stack.enter_context(closing(OscOutput(ports.destinations)))
+        zenoh = zenoh_output(settings, ports.names, Pattern().surface, stack) if not only else []
+        ports.log()
         log.info("ready: a pointer draws a circle every 4 s; Ctrl-C ends")
-        leases = Leases(settings.node, session, settings.control.networks)
-        frames = FrameEncoder(
-            settings.node, session, wire.first_frame(CLOCK.unix_us()), settings.osc.max_bytes
-        )
         sender = PatternSender(
-            Pattern(), frames, carriers, control.port, zenoh_version() if zenoh else ""
+            Pattern(),
+            frame_encoder(settings, ports.session),
+            [osc, *zenoh, *ports.carriers],
+            ports.control.port,
+            zenoh_version() if zenoh else "",
         )
         until_s = time.monotonic() + seconds if seconds is not None else None
-        while not stopped.wait(1.0 / RATE_HZ):
-            osc.set_leased(answer_hellos(control, leases))
+        for leased in ports.turns(1.0 / RATE_HZ):
+            osc.set_leased(leased)
             sender.send(time.monotonic())
             if until_s is not None and time.monotonic() >= until_s:
                 break

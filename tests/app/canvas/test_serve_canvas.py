@@ -9,18 +9,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 import halo_client
 import halo_protocol as wire
-from halo_client import Follow
 from halo_client.source import ZenohSource
 from halo_service.app.canvas.merger import Merger
+from halo_service.app.canvas.nodes import follow_nodes
 from halo_service.app.canvas.publisher import CanvasPublisher
-from halo_service.app.canvas.run import followed
 from halo_service.app.cli import main
 from halo_service.canvas.layout import Layout, PlacedSurface, load
 from halo_service.host_clock import CLOCK
@@ -205,10 +203,8 @@ def test_a_router_that_is_killed_and_restarted_leaves_no_finger_and_brings_all_b
         layout, FrameEncoder("hall", "s1", 0), [collected], names, 0, lambda: 0
     )
     merger = Merger(layout, publisher)
-    for placed in layout.surface:
-        where = (placed.node, placed.surface)
-        handle = partial(merger.handle, where)
-        stack.callback(followed(Follow(*where), ZenohSource((endpoint,)), handle).close)
+    nodes = [(each.node, each.surface) for each in layout.surface]
+    follow_nodes(nodes, ZenohSource((endpoint,)), merger.handle, stack)
     number = 0
 
     def turn() -> None:

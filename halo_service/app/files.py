@@ -15,6 +15,14 @@ from halo_service.files import appearing
 STDOUT = "-"
 
 
+def refuse_existing(out: Path, *, force: bool) -> None:
+    """Refuse to replace a file of the user, unless `force`. Raises `UserError`."""
+    if out.is_dir():
+        raise UserError(f"{out} is a folder; name a file")
+    if out.is_file() and not force:
+        raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
+
+
 @contextmanager
 def written(out: str) -> Iterator[TextIO]:
     """Open a text file to write; it appears under its name when the block ends without an error.

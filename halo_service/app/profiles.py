@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from halo_service.app.files import refuse_existing
 from halo_service.app.tables import print_tables
 from halo_service.errors import UserError
 from halo_service.evaluation.report.table import Table
@@ -84,8 +85,7 @@ def delete(name: str) -> Path:
 
 def export(name: str, out: Path, force: bool = False) -> None:
     """Write a profile into one file; raises `UserError` if there is such a file, unless `force`."""
-    if out.is_file() and not force:
-        raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
+    refuse_existing(out, force=force)
     pack(profile_path(name), out)
 
 

@@ -49,8 +49,20 @@ class Announcement:
         self._ports, self._facts = ports, dict(facts)
         self._name = names.node
         self._announcers: list[Zeroconf] = []
+        self._announced: list[tuple[Zeroconf, ServiceInfo]] = []
         self._searches: list[NameSearch] = []
         self._thread = threading.Thread(target=self._announce, name="mdns", daemon=True)
+        self._thread.start()
+
+    def update(self, **facts: str) -> None:
+        """Announce changed facts, in the background; nothing is sent if they are as before."""
+        if facts.items() <= self._facts.items():
+            return
+        self._facts |= facts
+        before = self._thread
+        self._thread = threading.Thread(
+            target=self._announce_again, args=(before,), name="mdns", daemon=True
+        )
         self._thread.start()
 
     def close(self) -> None:
@@ -84,19 +96,31 @@ class Announcement:
         if port.kind == OSC:
             self._searches.append(NameSearch(announcer, OSC, self._names))
             self._choose_name(self._searches[-1])
+        info = self._info(port.kind, f"{self._name}.{port.kind}", port.number, addresses)
+        announcer.register_service(info, allow_name_change=True)
+        self._announced.append((announcer, info))
+
+    def _info(self, kind: str, name: str, port: int | None, addresses: list[str]) -> ServiceInfo:
         node, session = self._names.node, self._names.session
-        announcer.register_service(
-            ServiceInfo(
-                port.kind,
-                f"{self._name}.{port.kind}",
-                port=port.number,
-                parsed_addresses=addresses,
-                properties={"node": node, "session": session, **self._facts},
-                server=f"{node}-{session}.local.",
-                host_ttl=LASTS_S,
-            ),
-            allow_name_change=True,
+        return ServiceInfo(
+            kind,
+            name,
+            port=port,
+            parsed_addresses=addresses,
+            properties={"node": node, "session": session, **self._facts},
+            server=f"{node}-{session}.local.",
+            host_ttl=LASTS_S,
         )
+
+    def _announce_again(self, before: threading.Thread) -> None:
+        """Announce the present facts, after a thread that announces earlier ones."""
+        before.join()
+        for announcer, info in self._announced:
+            changed = self._info(info.type, info.name, info.port, info.parsed_addresses())
+            try:
+                announcer.update_service(changed)
+            except (OSError, ZeroconfError) as error:
+                log.debug("mdns: %s", error)
 
     def _choose_name(self, search: NameSearch) -> None:
         """Use the node's name, or where it is taken one that no other service can have.

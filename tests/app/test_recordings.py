@@ -299,3 +299,10 @@ def test_an_installation_has_a_layout_and_one_truth(
     lines = [json.loads(line) for line in truth.read_text().splitlines()]
     assert sum("fingers" in line for line in lines) == 480
     assert any("contact" in line for line in lines)
+    layout.write_text("changed by hand")
+    again = ["simulate", "crossing,cameras=3,seed=4", "--layout", str(layout)]
+    assert main(again) == 2
+    assert "exists already; choose another name, or add --force" in capsys.readouterr().err
+    assert layout.read_text() == "changed by hand"
+    assert main([*again, "--force"]) == 0
+    assert len(read_layout(layout).surface) == 3

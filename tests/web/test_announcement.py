@@ -33,12 +33,17 @@ def found(kind: str) -> ServiceInfo | None:
 def test_a_service_is_found_by_name_until_it_ends() -> None:
     ports = [Port(OSC, "127.0.0.1", 4257), Port(OSCQUERY, "127.0.0.1", 4258)]
     facts = {"surface": "table", "rate_hz": "30"}
-    with closing(Announcement(NameWatch(f"halo-test-{RUN}", "s1"), ports, facts)):
+    with closing(Announcement(NameWatch(f"halo-test-{RUN}", "s1"), ports, facts)) as announced:
         for kind, _, number in ports:
             info = found(kind)
             assert info is not None
             assert (info.port, info.parsed_addresses()) == (number, ["127.0.0.1"])
             assert info.decoded_properties == {"node": f"halo-test-{RUN}", "session": "s1", **facts}
+        announced.update(rate_hz="15")
+        announced._thread.join()
+        info = found(OSC)
+        assert info is not None
+        assert info.decoded_properties["rate_hz"] == "15"
     with closing(Zeroconf(interfaces=["127.0.0.1"], ip_version=IPVersion.V4Only)) as browser:
         assert browser.get_service_info(OSC, f"halo-test-{RUN}.{OSC}", timeout=500) is None
 

@@ -41,6 +41,8 @@ class CanvasPublisher:
         self._control_port = control_port
         self.zenoh_missing = zenoh_missing
         self._zenoh_version = zenoh_version
+        self.rate_hz = 0.0
+        """Of the last scene; 0 while it is unknown."""
         # Now, because OpenCV is imported for it, which takes half a second.
         self._projectors = [(each, each.matrix) for each in layout.projector]
         self._copies = [layout.surface_name(each) for each in layout.projector if each.name]
@@ -63,6 +65,7 @@ class CanvasPublisher:
         """Send the scene and the homographies."""
         collision = self._names.collision(time.monotonic())
         scene = reports.scene(own, self._layout, nodes, rate_hz, self._control_port, collision)
+        self.rate_hz = scene.rate_hz
         self._report_all(
             replace(scene, service_version=service_version(), zenoh_version=self._zenoh_version)
         )

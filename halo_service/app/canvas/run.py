@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING
 
 import halo_protocol as wire
 from halo_client import ZenohSource
@@ -18,6 +19,9 @@ from halo_service.errors import UserError
 from halo_service.outputs.destination import Destination
 from halo_service.outputs.osc import OscOutput
 from halo_service.settings import Settings
+
+if TYPE_CHECKING:
+    from halo_service.web.announcement import Announcement
 
 log = logging.getLogger(__name__)
 
@@ -46,9 +50,7 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
         stack.callback(_end, merger)
         nodes = [(each.node, each.surface) for each in layout.surface]
         follow_nodes(nodes, source, merger.handle, stack)
-        if settings.web.announce:
-            facts = {"surface": layout.name, "rate_hz": "30"}
-            stack.callback(announce(settings, ports.names, ports.web, ports.control, **facts).close)
+        announcement = _announced(settings, layout, ports, stack)
         log.info("canvas '%s' of node %s: %s", layout.name, settings.node, _size(layout))
         network = ", ".join(source.connect) or source.config
         log.info("zenoh from %s: %s", network, ", ".join(map("/".join, nodes)))
@@ -62,6 +64,8 @@ def serve_canvas(settings: Settings, layout: Layout, source: ZenohSource) -> Non
             if any(each not in before for each in leased):
                 merger.welcome()
             merger.turn()
+            if announcement is not None:
+                announcement.update(rate_hz=f"{publisher.rate_hz:.0f}")
         merger.ends = True
 
 
@@ -78,6 +82,18 @@ def check(settings: Settings, layout: Layout) -> None:
             f"canvas: node '{settings.node}' is in the layout, so the canvas would receive itself; "
             "choose another name for the canvas with --node"
         )
+
+
+def _announced(
+    settings: Settings, layout: Layout, ports: ClientPorts, stack: ExitStack
+) -> Announcement | None:
+    """Announce the canvas by mDNS; its rate is unknown until a node is there."""
+    if not settings.web.announce:
+        return None
+    facts = {"surface": layout.name, "rate_hz": "0"}
+    announcement = announce(settings, ports.names, ports.web, ports.control, **facts)
+    stack.callback(announcement.close)
+    return announcement
 
 
 def _end(merger: Merger) -> None:

@@ -97,10 +97,11 @@ def _find(options: argparse.Namespace) -> int:
     follows = _follows(options.node or [])
     if options.touches < LEAST_TOUCHES:
         raise UserError(f"canvas: --touches must be {LEAST_TOUCHES} or more, not {options.touches}")
-    if options.out is not None and options.out.exists() and not options.force:
-        raise UserError(f"{options.out} exists; choose another name, or --force to replace it")
+    from halo_service.app.files import STDOUT, refuse_existing, written
+
+    if options.out is not None:
+        refuse_existing(options.out, force=options.force)
     from halo_service.app.canvas.find import find
-    from halo_service.app.files import STDOUT, written
     from halo_service.canvas.layout import text
 
     source = zenoh_source(settings, options.connect)

@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--layout", metavar="X.toml", help="layout of an installation's canvas; nodes camera-1, ..."
     )
+    parser.add_argument("--force", action="store_true", help="replace a layout file of that name")
     parser.add_argument("--no-colour", action="store_true", help="record no colour")
     parser.add_argument(
         "--gallery", type=Path, metavar="X.png", help="draw all materials and states in one picture"
@@ -71,6 +72,7 @@ def run(options: argparse.Namespace) -> int:
                 options.canvas_truth,
                 options.start,
                 options.seconds,
+                options.force,
             )
         )
         if options.layout not in (None, STDOUT):

@@ -15,11 +15,11 @@ from pathlib import Path
 from types import FrameType
 from typing import Protocol
 
+from halo_service.app.files import refuse_existing
 from halo_service.app.process import endings
 from halo_service.app.progress import progress
 from halo_service.app.recordings.area import AreaCut
 from halo_service.app.sources import open_source
-from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import require_fit
@@ -85,8 +85,7 @@ def record(
     `UserError` if there is such a file and not `force`, or if source or file fails before the first
     frame; then no file is left. What was recorded until a camera is lost is stored.
     """
-    if out.is_file() and not force:
-        raise UserError(f"{out} exists already; choose another name, or add --force to replace it")
+    refuse_existing(out, force=force)
     # A recording is copied as fast as possible, with every frame.
     fast = settings.name.startswith("recording:")
     source, _ = open_source(replace(settings, fast=fast), area.camera.serial if area else "")

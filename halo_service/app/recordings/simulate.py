@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from halo_service.app.files import STDOUT, written
+from halo_service.app.files import STDOUT, refuse_existing, written
 from halo_service.app.progress import progress
 from halo_service.errors import UserError
 from halo_service.outputs.recorder import Recorder
@@ -81,12 +81,15 @@ class InstallationRequest:
     start_s: float
     """When the truth begins; live, the scenario's time is Unix time."""
     seconds: float | None
+    force: bool
+    """Replace a layout file of that name: it may have changes of the user."""
 
 
 def write_installation(request: InstallationRequest) -> None:
     """Write the layout and the truth of a virtual installation, each where there is a name.
 
-    Raises `UserError` for a scenario with one camera, and for a truth without a length.
+    Raises `UserError` for a scenario with one camera, for a truth without a length, and for a
+    layout file that exists.
     """
     from halo_service.virtual.installation.truth import canvas_truth, layout_text
     from halo_service.virtual.sim_url import parse_sim_url
@@ -102,6 +105,7 @@ def write_installation(request: InstallationRequest) -> None:
     if not request.start_s >= 0.0:
         raise UserError(f"simulate: --start is {request.start_s:g}; give 0 or a Unix time")
     if request.layout:
+        refuse_existing(Path(request.layout), force=request.force)
         with written(request.layout) as file:
             file.write(layout_text(simulated))
     if request.truth and request.seconds:

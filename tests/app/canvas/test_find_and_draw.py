@@ -82,7 +82,8 @@ def test_too_few_touches_or_places_too_near_are_refused_with_the_remedy(
         (["--node", "a", "--node", "a"], "name two or more different services"),
         (["--node", "A", "--node", "b"], "write --node NAME or NAME/SURFACE"),
         (["--node", "a", "--node", "b", "--touches", "2"], "--touches must be 3 or more"),
-        (["--node", "a", "--node", "b", "--out", "{file}"], "--force to replace it"),
+        (["--node", "a", "--node", "b", "--out", "{file}"], "add --force to replace it"),
+        (["--node", "a", "--node", "b", "--out", "{folder}"], "is a folder; name a file"),
         (["--node", "a", "--node", "b", "--connect", "nonsense"], "tcp/HOST:PORT"),
     ],
 )
@@ -90,7 +91,10 @@ def test_wrong_options_of_find_are_one_sentence(
     options: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (file := tmp_path / "table.toml").write_text("")
-    assert main(["canvas", "find", *(each.format(file=file) for each in options)]) == 2
+    assert (
+        main(["canvas", "find", *(each.format(file=file, folder=tmp_path) for each in options)])
+        == 2
+    )
     (said,) = capsys.readouterr().err.strip().splitlines()
     assert says in said
 

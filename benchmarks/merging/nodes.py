@@ -24,7 +24,7 @@ from .truth import Truth
 
 EDGE_MM = 15.0
 BEYOND_MM = 8.0
-"""A finger is seen so far outside of the surface."""
+"""Distance outside of the surface up to which a finger is seen."""
 NO_DIAGNOSTICS = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), *([math.nan] * 6))
 
 
@@ -53,7 +53,7 @@ class Errors:
 
 @dataclass(slots=True)
 class _Seen:
-    """What a node knows of a finger."""
+    """What a node has seen of a finger."""
 
     id: int
     slot: int

@@ -14,7 +14,7 @@ from halo_service.values import Pointer, TouchFrame
 from .truth import Finger, Truth
 
 MATCH_S, MATCH_MM = 0.12, 45.0
-"""A down is a finger's if it is so near in time and place."""
+"""Greatest distance in time and place of a down from its finger."""
 SEAM_MM = 40.0
 """Places nearer to a seam count for the seam error."""
 

@@ -18,9 +18,9 @@ from .sensed import START_US, Down
 
 Line = dict[str, Any]
 EARLY_S, LATE_S, NEAR_MM = 0.1, 0.15, 40.0
-"""A down is a touch's if it is so near in time and place."""
+"""Greatest distance in time and place of a down from its touch."""
 AROUND_S = 0.15
-"""An id is kept if it is the same so long before and after a crossing."""
+"""An id is compared at this time before and after a crossing."""
 OVERLAP_MM = 30.0
 """Half of the overlap of two areas."""
 

@@ -22,21 +22,21 @@ LAYOUT_MM = 2.5
 CLOCK_S = 0.02
 """The same of two nodes' clocks, and of how late a node follows a finger."""
 GATE, GATE_MM = 3.5, 50.0
-"""A pointer farther than so many standard deviations from a track, or mm, is another finger."""
+"""Greatest distance of a pointer from its track, in standard deviations and in mm."""
 VANISHED_MM = 6.0
 """Added deviation of a finger that no node sees at the moment."""
 OTHER_FINGER, OTHER_SIDE = 5.0, 2.0
 """Twice the logarithm of how rarely two nodes name one finger, or its hand, differently."""
 OTHER_FINGER_MM = 12.0
-"""Farther apart, two fingers with different names are two: neighbours are 15 mm apart."""
+"""Greatest distance of one finger that two nodes name differently: neighbours are 15 mm apart."""
 HOVER_MM, HOVER_MOST = 10.0, 4.0
-"""Standard deviation of the difference of two nodes' heights; a node that has just found a finger
-is wrong by any height, so the cost has a limit."""
+"""Standard deviation of the difference of two nodes' heights, and the limit of its cost: a node
+that has just found a finger may be wrong by any height."""
 IMPOSSIBLE = 1e6
 APART_US = 200_000
-"""A report that is outside of the gate for so long is of another finger."""
+"""Time after which a report outside of the gate is of another finger."""
 ONE_GATE = 2.0
-"""Tracks of different nodes that are nearer are one finger."""
+"""Greatest distance of two tracks that are one finger, in standard deviations."""
 
 
 def assign(tracks: Sequence[Track], pointers: Sequence[Detection], time_us: int) -> dict[int, int]:
@@ -49,7 +49,7 @@ def assign(tracks: Sequence[Track], pointers: Sequence[Detection], time_us: int)
 
 
 def is_apart(track: Track, seen: Detection) -> bool:
-    """Whether one node's report is far from what all together say."""
+    """Whether one node's report is far from the merged place."""
     away_mm = math.dist(track.place_mm(seen.time_us), seen.place_mm)
     return away_mm > GATE_MM or away_mm > 2.0 * GATE * _deviation(track, seen)
 
@@ -59,7 +59,7 @@ def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Trac
     seen = [(each, each.place_mm(time_us)) for each in tracks if each.members]
     for (a, place), (b, other) in combinations(seen, 2):
         away_mm = math.dist(place, other)
-        two = any(a.is_surely(each) and b.is_surely(each) for each in a.nodes & b.nodes)
+        two = any(a.is_reliable_on(each) and b.is_reliable_on(each) for each in a.nodes & b.nodes)
         if away_mm > GATE_MM or two or a.finger != b.finger:
             continue
         late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))

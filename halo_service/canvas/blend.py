@@ -13,12 +13,12 @@ from contextlib import contextmanager
 
 from halo_service.canvas.detections import LONGEST_S, Detection, Member, Place
 
-SETTLE_S = 0.08
+SMOOTHING_S = 0.08
 """Time constant with which weights and offsets follow."""
 NEW_SHARE = 0.02
-"""Weight with which a second node's report begins, as a share of what it will be."""
+"""Weight with which a second node's report begins, as a share of its later weight."""
 STALE_US = 150_000
-"""A report that is so much older than the newest one has no weight."""
+"""Age, compared to the newest report, from which on a report has no weight."""
 
 
 class Blend:
@@ -40,7 +40,7 @@ class Blend:
             with self._smoothly(seen.time_us):
                 self._put(seen, NEW_SHARE if self.seen else 1.0)
             return
-        share = 1.0 - math.exp(-max(seen.time_us - before.time_us, 0) / 1e6 / SETTLE_S)
+        share = 1.0 - math.exp(-max(seen.time_us - before.time_us, 0) / 1e6 / SMOOTHING_S)
         if before.coasts(seen):
             seen = before.coasting(seen)
         self.seen[seen.member] = seen
@@ -59,7 +59,7 @@ class Blend:
     def place_mm(self, time_us: int) -> Place:
         """Return where the finger is at a time."""
         x, y = self._raw(time_us)
-        decay = math.exp(-max(time_us - self._offset_us, 0) / 1e6 / SETTLE_S)
+        decay = math.exp(-max(time_us - self._offset_us, 0) / 1e6 / SMOOTHING_S)
         return x + decay * self._offset[0], y + decay * self._offset[1]
 
     def mean(self, value: Callable[[Detection], float], of: set[Member], time_us: int) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import Clock
-from halo_service.canvas.detections import Area, Where
+from halo_service.canvas.detections import Area, SurfaceKey
 from halo_service.canvas.fusion import Fusion, NodeFrame
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.pace import Pace
@@ -41,47 +41,47 @@ class Canvas:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        areas = {area.where: area for area in map(Area, layout.surface)}
-        self.nodes = {where: Node(area) for where, area in areas.items()}
+        areas = {area.surface: area for area in map(Area, layout.surface)}
+        self.nodes = {surface: Node(area) for surface, area in areas.items()}
         self.pace = Pace()
         self._fusion = Fusion(areas)
         self._time_us = 0
         self._lag_us = 0
 
-    def handle(self, where: Where, event: wire.Event, now_us: int) -> TouchFrame | None:
+    def handle(self, surface: SurfaceKey, event: wire.Event, now_us: int) -> TouchFrame | None:
         """Note what arrived of a node; return the canvas's frame if it is time to send one."""
         if isinstance(event, wire.TouchFrame):
             return self.arrived(event, now_us)
         if isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
-            self.scene(where, event.message)
+            self.scene(surface, event.message)
         elif isinstance(event, wire.Report) and isinstance(event.message, wire.Health):
-            self.health(where, event.message)
-        elif isinstance(event, wire.Lost) and self.is_session(where, event.session):
-            return self.lost(where, now_us)
+            self.health(surface, event.message)
+        elif isinstance(event, wire.Lost) and self.is_session(surface, event.session):
+            return self.lost(surface, now_us)
         return None
 
-    def is_session(self, where: Where, session: str) -> bool:
+    def is_session(self, surface: SurfaceKey, session: str) -> bool:
         """Whether a session is the one that is there now; a newer one may have begun."""
-        return where in self.nodes and self.nodes[where].session == session
+        return surface in self.nodes and self.nodes[surface].session == session
 
-    def scene(self, where: Where, scene: wire.Scene) -> None:
+    def scene(self, surface: SurfaceKey, scene: wire.Scene) -> None:
         """Note the size of a node's surface."""
-        if where in self.nodes and scene.width_mm > 0.0 and scene.height_mm > 0.0:
-            self.nodes[where].area.size_mm = (scene.width_mm, scene.height_mm)
+        if surface in self.nodes and scene.width_mm > 0.0 and scene.height_mm > 0.0:
+            self.nodes[surface].area.size_mm = (scene.width_mm, scene.height_mm)
 
-    def health(self, where: Where, health: wire.Health) -> None:
+    def health(self, surface: SurfaceKey, health: wire.Health) -> None:
         """Note what a node needs from exposure to sending."""
-        if where in self.nodes and health.latency_ms >= 0.0:
-            self.nodes[where].clock.latency_us = health.latency_ms * 1000.0
+        if surface in self.nodes and health.latency_ms >= 0.0:
+            self.nodes[surface].clock.latency_us = health.latency_ms * 1000.0
 
     def arrived(self, frame: wire.TouchFrame, arrival_us: int) -> TouchFrame | None:
         """Note a node's frame; return the canvas's frame if it is time to send one."""
-        where = (frame.node, frame.surface)
-        if where not in self.nodes:
+        surface = (frame.node, frame.surface)
+        if surface not in self.nodes:
             return None
-        node = self.nodes[where]
+        node = self.nodes[surface]
         if node.session != frame.session:
-            self._forget(where, arrival_us)
+            self._forget(surface, arrival_us)
             node.session = frame.session
         node.frames += 1
         node.missed += frame.missed
@@ -89,25 +89,25 @@ class Canvas:
         node.time_us = max(node.clock.arrived(frame.time_us, arrival_us), node.time_us + 1)
         self._guess_size(node.area, frame)
         self._fusion.receive(_on_canvas(node, frame))
-        due = self.pace.arrived(where, arrival_us, len(frame.pointers))
+        due = self.pace.arrived(surface, arrival_us, len(frame.pointers))
         return self.frame(arrival_us) if due or self._fusion.has_news else None
 
-    def lost(self, where: Where, now_us: int) -> TouchFrame | None:
+    def lost(self, surface: SurfaceKey, now_us: int) -> TouchFrame | None:
         """Forget what a node reported: it is silent, or has ended."""
-        if where not in self.nodes or not self.nodes[where].session:
+        if surface not in self.nodes or not self.nodes[surface].session:
             return None
-        self._forget(where, now_us)
+        self._forget(surface, now_us)
         return self.frame(now_us)
 
     def tick(self, now_us: int) -> TouchFrame | None:
         """Return a frame where none was sent for long."""
         return self.frame(now_us) if self.pace.is_idle(now_us) else None
 
-    def _forget(self, where: Where, now_us: int) -> None:
+    def _forget(self, surface: SurfaceKey, now_us: int) -> None:
         """End a session; the next one starts with a clock of its own."""
-        node = self.nodes[where]
-        self._fusion.lose(where, max(self._time_us, now_us - self._lag_us))
-        self.pace.lose(where)
+        node = self.nodes[surface]
+        self._fusion.lose(surface, max(self._time_us, now_us - self._lag_us))
+        self.pace.lose(surface)
         node.session, node.clock, node.time_us = "", Clock(node.clock.latency_us), 0
 
     def frame(self, now_us: int) -> TouchFrame:
@@ -138,11 +138,11 @@ class Canvas:
 def _on_canvas(node: Node, frame: wire.TouchFrame) -> NodeFrame:
     area, time_us = node.area, node.time_us
     return NodeFrame(
-        area.where,
+        area.surface,
         time_us,
         tuple(area.detection(each, time_us) for each in frame.pointers),
         tuple(
-            ((area.where, each.id), each, area.event(each, time_us))
+            ((area.surface, each.id), each, area.event(each, time_us))
             for each in frame.events[: wire.MAX_EVENTS]
         ),
     )

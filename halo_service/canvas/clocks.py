@@ -19,17 +19,17 @@ from statistics import median
 BIN_US = 500_000
 """Of each half second the shortest delay is used."""
 BINS = 60
-"""30 s: a crystal's drift is constant for so long."""
+"""30 s, in which a crystal's drift is constant."""
 LEAST_SPAN_US = 5_000_000
 """Shorter ones say nothing about a drift."""
 MAX_DRIFT = 600e-6
 """A service follows its host's clock by 500e-6, a crystal is off by at most 100e-6."""
 EARLY_US = 60_000
-"""A frame that arrives so much before it can: the node's clock was set, or the way is shorter."""
+"""A frame arrives this much before it can: the node's clock was set, or the way is shorter."""
 LATE_US, LATE_FOR_US = 60_000, 3_000_000
-"""The same where all frames for so long are so late; shorter is a network that pauses."""
+"""The same where all frames of this time are this late; a network pauses for a shorter time."""
 BACK_US = 500_000
-"""Time in frames that goes back so far: a recording starts again."""
+"""The time of frames goes back this much: a recording starts again."""
 SLEW = 0.05
 """Most that the used offset changes per time, so that no pointer jumps."""
 

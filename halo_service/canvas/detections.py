@@ -11,9 +11,9 @@ import halo_protocol as wire
 from halo_service.canvas.layout import Matrix, PlacedSurface
 
 Place = tuple[float, float]
-Where = tuple[str, str]
+SurfaceKey = tuple[str, str]
 """(node, surface)."""
-Member = tuple[Where, int]
+Member = tuple[SurfaceKey, int]
 """One pointer of one surface, by its id."""
 
 PLACE_MM = 2.0
@@ -22,11 +22,12 @@ LEAST_CONFIDENCE = 0.05
 WEAK_CONFIDENCE = 0.4
 """Below, a node moves a pointer on that it does not see, or has just found one at its edge."""
 EDGE_TIMES, EDGE_MM = 3.0, 15.0
-"""At the edge a place is so many times less certain; the share falls to 1/e so far inside."""
+"""Added deviation at the edge, as a multiple, and the distance inwards at which it has fallen to
+1/e."""
 OUTSIDE_MM = 30.0
-"""Farther outside, a place is not less certain any more."""
+"""Distance outside from which on the deviation does not grow any more."""
 LONGEST_S = 0.1
-"""A pointer is moved on for so long and no farther (three frames)."""
+"""Longest time for which a pointer is predicted by its velocity: three frames."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ class Area:
     """One placed surface; its size is known when its scene has arrived."""
 
     def __init__(self, placed: PlacedSurface) -> None:
-        self.where: Where = (placed.node, placed.surface)
+        self.surface: SurfaceKey = (placed.node, placed.surface)
         self.canvas_from_surface = placed.canvas_from_surface
         """(3, 3), mm."""
         self._surface_from_canvas = np.linalg.inv(self.canvas_from_surface)
@@ -90,7 +91,7 @@ class Area:
         edge_mm = self.inside_mm(place_mm)
         deviation_mm = PLACE_MM / min(max(pointer.confidence, LEAST_CONFIDENCE), 1.0)
         deviation_mm *= 1.0 + EDGE_TIMES * math.exp(-max(edge_mm, -OUTSIDE_MM) / EDGE_MM)
-        member = (self.where, pointer.id)
+        member = (self.surface, pointer.id)
         return Detection(
             member,
             time_us,

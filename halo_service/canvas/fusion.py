@@ -13,15 +13,15 @@ from itertools import count
 
 import halo_protocol as wire
 from halo_service.canvas.association import APART_US, assign, doubles, is_apart, load_solver
-from halo_service.canvas.detections import Area, Detection, Member, NodeEvent, Place, Where
+from halo_service.canvas.detections import Area, Detection, Member, NodeEvent, Place, SurfaceKey
 from halo_service.canvas.touches import Change
 from halo_service.canvas.tracks import IN_AIR, Track, decide_sides
 from halo_service.values import Pointer, TouchEvent
 
 RETURN_MM = 30.0
-"""A finger that vanishes so near to another surface may appear there."""
+"""Greatest distance from another surface at which a finger that vanishes may appear there."""
 ONE_US = 50_000
-"""Tracks that are one finger for so long are merged."""
+"""Time after which two tracks that seem to be one finger are merged."""
 
 
 @dataclass(slots=True)
@@ -36,7 +36,7 @@ class _Sent:
 class NodeFrame:
     """A frame of one node on the canvas."""
 
-    where: Where
+    surface: SurfaceKey
     time_us: int
     """On the canvas's clock."""
     pointers: tuple[Detection, ...] = ()
@@ -48,14 +48,14 @@ class NodeFrame:
 class Fusion:
     """All fingers on the canvas."""
 
-    areas: Mapping[Where, Area]
+    areas: Mapping[SurfaceKey, Area]
     tracks: list[Track] = field(default_factory=list)
     _ids: Iterator[int] = field(default_factory=lambda: count(1))
     _changes: list[_Sent] = field(default_factory=list)
     _one_since_us: dict[tuple[int, int], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Import the solver now: at the first finger it would hold up frames for half a second."""
+        """Import the solver now: at the first finger it would delay frames by half a second."""
         load_solver()
 
     @property
@@ -66,7 +66,7 @@ class Fusion:
     def receive(self, frame: NodeFrame) -> None:
         """Note a node's frame."""
         by_member = {each.member: each for each in frame.pointers}
-        known = self._known(frame.where)
+        known = self._tracks_on(frame.surface)
         for member in known.keys() & by_member.keys():
             known[member].update(by_member[member])
         # First what is gone: its track is free for a new pointer of the same node.
@@ -76,9 +76,9 @@ class Fusion:
         self._touch(frame)
         self._correct(frame)
 
-    def lose(self, where: Where, time_us: int) -> None:
+    def lose(self, surface: SurfaceKey, time_us: int) -> None:
         """Forget all that a node reported: it is gone."""
-        for member, track in self._known(where).items():
+        for member, track in self._tracks_on(surface).items():
             event = NodeEvent(time_us, track.place_mm(time_us))
             self._note(track, track.touches.drop(member, event))
             track.remove(member, time_us)
@@ -88,7 +88,7 @@ class Fusion:
     def frame(self, time_us: int) -> tuple[tuple[Pointer, ...], tuple[TouchEvent, ...]]:
         """Return the pointers at a time, and the events since the last frame."""
         for track in list(self.tracks):
-            self._note(track, track.settle(time_us))
+            self._note(track, track.decide_touches(time_us))
             if track.is_over(time_us):
                 self._end(track, time_us)
             track.decide_finger()
@@ -97,10 +97,13 @@ class Fusion:
         self._changes.clear()
         return tuple(each.pointer(time_us) for each in self.tracks), events
 
-    def _known(self, where: Where) -> dict[Member, Track]:
+    def _tracks_on(self, surface: SurfaceKey) -> dict[Member, Track]:
         """Return the tracks of a node's pointers."""
         return {
-            member: track for track in self.tracks for member in track.members if member[0] == where
+            member: track
+            for track in self.tracks
+            for member in track.members
+            if member[0] == surface
         }
 
     def _vanish(self, track: Track, member: Member, frame: NodeFrame) -> None:
@@ -109,24 +112,24 @@ class Fusion:
         for each, message, event in frame.events:
             if each == member and not (last and event is last[-1]):
                 self._change(track, member, message, event)
-        returns = self._is_near_another(track.place_mm(frame.time_us), frame.where)
+        returns = self._is_near_another(track.place_mm(frame.time_us), frame.surface)
         event = last[-1] if last else NodeEvent(frame.time_us, track.place_mm(frame.time_us))
         self._note(track, track.touches.up(member, event, vanished=True, returns=returns))
         track.remove(member, frame.time_us)
         if not track.members and not returns:
             self._end(track, frame.time_us)
 
-    def _is_near_another(self, place_mm: Place, mine: Where) -> bool:
+    def _is_near_another(self, place_mm: Place, mine: SurfaceKey) -> bool:
         """Whether a place is near to the surface of another node, where a finger may appear."""
         return any(
             area.size_mm is not None and area.inside_mm(place_mm) > -RETURN_MM
-            for where, area in self.areas.items()
-            if where != mine
+            for surface, area in self.areas.items()
+            if surface != mine
         )
 
     def _start(self, new: Sequence[Detection], frame: NodeFrame) -> None:
         """Assign new pointers of a node to tracks that it does not see yet, or start tracks."""
-        free = [track for track in self.tracks if self._is_free(track, frame.where)]
+        free = [track for track in self.tracks if self._is_free(track, frame.surface)]
         assigned = assign(free, new, frame.time_us)
         for number, seen in enumerate(new):
             if number in assigned:
@@ -135,15 +138,15 @@ class Fusion:
                 self.tracks.append(self._started(seen))
 
     @staticmethod
-    def _is_free(track: Track, where: Where) -> bool:
+    def _is_free(track: Track, surface: SurfaceKey) -> bool:
         """Whether a node may have a new pointer for a track: it sees none, or one hardly."""
-        mine = [seen for (node, _), seen in track.members.items() if node == where]
+        mine = [seen for (node, _), seen in track.members.items() if node == surface]
         return all(seen.weak or is_apart(track, seen) for seen in mine)
 
     def _replace(self, track: Track, seen: Detection) -> None:
-        """Give a track a node's new pointer, in the place of a weak one of this node."""
+        """Give a track a node's new pointer instead of a weak one of this node."""
         old = [member for member in track.members if member[0] == seen.member[0]]
-        touched = any(track.touches.knows(member) for member in old)
+        touched = any(track.touches.has_down(member) for member in old)
         track.update(seen)
         for member in old:
             event = NodeEvent(seen.time_us, seen.place_mm)
@@ -164,16 +167,16 @@ class Fusion:
 
     def _touch(self, frame: NodeFrame) -> None:
         """Note the downs and ups of pointers that are there, and touches without a down."""
-        known = self._known(frame.where)
+        known = self._tracks_on(frame.surface)
         for member, message, event in frame.events:
             if member in known:
                 self._change(known[member], member, message, event)
         for member, track in known.items():
             seen = track.members[member]
             event = NodeEvent(seen.time_us, seen.place_mm)
-            if seen.pointer.touching and not track.touches.knows(member):
+            if seen.pointer.touching and not track.touches.has_down(member):
                 self._down(track, member, event)
-            elif not seen.pointer.touching and track.touches.knows(member):
+            elif not seen.pointer.touching and track.touches.has_down(member):
                 self._up(track, member, event)
 
     def _change(
@@ -181,7 +184,7 @@ class Fusion:
     ) -> None:
         if _is_up(message):
             self._up(track, member, event)
-        elif not track.touches.knows(member):
+        elif not track.touches.has_down(member):
             self._down(track, member, event)
 
     def _up(self, track: Track, member: Member, event: NodeEvent) -> None:
@@ -195,8 +198,8 @@ class Fusion:
         self._note(track, track.touches.down(member, event, discovered=discovered))
 
     def _correct(self, frame: NodeFrame) -> None:
-        """Undo wrong assignments: part what is apart, merge what is one."""
-        for member, track in self._known(frame.where).items():
+        """Undo wrong assignments: separate what is too far apart, merge what is one finger."""
+        for member, track in self._tracks_on(frame.surface).items():
             seen = track.members[member]
             if len(track.members) == 1 or not is_apart(track, seen):
                 track.apart_us.pop(member, None)

@@ -13,18 +13,18 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from statistics import median
 
-from halo_service.canvas.detections import Where
+from halo_service.canvas.detections import SurfaceKey
 
 INTERVALS = 16
-"""A node's period is the median of so many intervals of its frames."""
+"""Number of intervals between a node's frames; its period is their median."""
 AS_FAST = 1.25
-"""A node is as fast as the fastest where its period is at most so many times as long."""
+"""Largest ratio of its period to the shortest one at which a node may lead."""
 AWAY_US = 500_000
-"""A node that sent nothing for so long does not lead."""
+"""A node leads no longer after this time without a frame."""
 LATE = 1.5
 """Periods after which the frame of another node is sent in place of the lead's."""
 IDLE_US = 500_000
-"""A frame is sent after so long in any case, so that clients see that the canvas is there."""
+"""Longest time between two frames of the canvas, so that clients see that it is there."""
 
 
 @dataclass(slots=True)
@@ -44,9 +44,9 @@ class Pace:
     """Follows the nodes and decides when to send."""
 
     def __init__(self) -> None:
-        self._nodes: dict[Where, _Node] = {}
+        self._nodes: dict[SurfaceKey, _Node] = {}
         self._sent_us: int | None = None
-        self.lead: Where | None = None
+        self.lead: SurfaceKey | None = None
         """The node with whose frames frames are sent."""
 
     @property
@@ -55,13 +55,13 @@ class Pace:
         periods = [each.period_us for each in self._nodes.values() if len(each.times_us) > 1]
         return 1e6 / min(periods) if periods else 0.0
 
-    def arrived(self, where: Where, now_us: int, pointers: int) -> bool:
+    def arrived(self, surface: SurfaceKey, now_us: int, pointers: int) -> bool:
         """Note a node's frame; return whether to send one now."""
-        node = self._nodes.setdefault(where, _Node())
+        node = self._nodes.setdefault(surface, _Node())
         node.times_us.append(now_us)
         node.pointers = pointers
         self._choose(now_us)
-        if where == self.lead or self._sent_us is None:
+        if surface == self.lead or self._sent_us is None:
             return True
         assert self.lead is not None
         return now_us - self._sent_us > LATE * self._nodes[self.lead].period_us
@@ -74,10 +74,10 @@ class Pace:
         """Note that a frame was sent."""
         self._sent_us = now_us
 
-    def lose(self, where: Where) -> None:
+    def lose(self, surface: SurfaceKey) -> None:
         """Forget a node that is gone."""
-        self._nodes.pop(where, None)
-        self.lead = None if self.lead == where else self.lead
+        self._nodes.pop(surface, None)
+        self.lead = None if self.lead == surface else self.lead
 
     def _choose(self, now_us: int) -> None:
         """Choose the lead; it stays while it is as fast as any, and sees fingers if any does."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halo_protocol as wire
-from halo_service.canvas.detections import Area, Place, Where, mapped
+from halo_service.canvas.detections import Area, Place, SurfaceKey, mapped
 from halo_service.canvas.layout import Layout
 from halo_service.values import Touch, TouchFrame
 
@@ -34,8 +34,8 @@ class Picture:
         self._layout = layout
         longest_mm = max(layout.width_mm, layout.height_mm) + 2.0 * MARGIN_MM
         self._px_per_mm = LONGEST_PX / longest_mm
-        self._areas: dict[Where, Area] = {}
-        self._node_lines: dict[tuple[Where, str, int], deque[Place]] = defaultdict(
+        self._areas: dict[SurfaceKey, Area] = {}
+        self._node_lines: dict[tuple[SurfaceKey, str, int], deque[Place]] = defaultdict(
             lambda: deque(maxlen=MOST)
         )
         self._lines: dict[int, deque[tuple[Place, bool]]] = defaultdict(lambda: deque(maxlen=MOST))
@@ -43,9 +43,9 @@ class Picture:
 
     def add_node(self, area: Area, frame: wire.TouchFrame) -> None:
         """Note the pointers of a node."""
-        self._areas[area.where] = area
+        self._areas[area.surface] = area
         for pointer in frame.pointers:
-            line = self._node_lines[area.where, frame.session, pointer.id]
+            line = self._node_lines[area.surface, frame.session, pointer.id]
             line.append(mapped(area.canvas_from_surface, (pointer.x_mm, pointer.y_mm)))
 
     def add(self, frame: TouchFrame) -> None:
@@ -67,8 +67,8 @@ class Picture:
         for number, area in enumerate(self._areas.values()):
             self._draw_area(image, area, GREYS[number % len(GREYS)])
         names = list(self._areas)
-        for (where, _, _), line in self._node_lines.items():
-            self._draw(image, list(line), GREYS[names.index(where) % len(GREYS)], 1)
+        for (surface, _, _), line in self._node_lines.items():
+            self._draw(image, list(line), GREYS[names.index(surface) % len(GREYS)], 1)
         for id_, places in self._lines.items():
             self._draw(image, [place for place, _ in places], colour(id_), 2)
             touched = [place for place, touching in places if touching]
@@ -85,7 +85,7 @@ class Picture:
         cv2.polylines(image, [corners], True, grey, 1, cv2.LINE_AA)
         x, y = corners.min(axis=0)
         at = (int(x) + 8, int(y) + 22)
-        name = "/".join(area.where)
+        name = "/".join(area.surface)
         cv2.putText(image, name, at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, grey, 1, cv2.LINE_AA)
 
     def _draw(

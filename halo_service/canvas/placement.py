@@ -21,7 +21,7 @@ MOST_OUTSIDE_MM = 20.0
 def placement_warnings(layout: Layout, areas: Sequence[Area]) -> Iterator[str]:
     """Yield a sentence for each surface that is placed wrongly. All sizes must be known."""
     for area in areas:
-        name = "/".join(area.where)
+        name = "/".join(area.surface)
         others = [overlap_mm(area, other) for other in areas if other is not area]
         if others and round(max(others)) < LEAST_OVERLAP_MM:
             by = f"by {max(others):.0f} mm only" if max(others) > 0.0 else "with no other surface"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import halo_protocol as wire
 from halo_service.canvas.clocks import ClockFit
-from halo_service.canvas.detections import Where
+from halo_service.canvas.detections import SurfaceKey
 from halo_service.canvas.layout import CanvasProjector, Layout, Matrix
 
 REVISION = 1
@@ -26,8 +26,8 @@ class NodeReports:
 
 
 @dataclass(frozen=True, slots=True)
-class Own:
-    """What the canvas measures itself."""
+class CanvasStatus:
+    """What the canvas measures of its own state."""
 
     node: str
     session: str
@@ -42,14 +42,14 @@ class Own:
     memory_mb: int
     zenoh_missing: int
     nodes: int
-    """That are there."""
+    """Nodes that are there."""
     clock_offset_ms: float
     clock_deviation_ms: float
     """Of the clock that is off most; 0 and -1 without a node."""
 
 
 def scene(
-    own: Own,
+    status: CanvasStatus,
     layout: Layout,
     nodes: Collection[NodeReports],
     rate_hz: float,
@@ -60,8 +60,8 @@ def scene(
     scenes = [each.scene for each in nodes if each.scene is not None]
     complete = len(scenes) == len(nodes)
     return wire.Scene(
-        own.node,
-        own.session,
+        status.node,
+        status.session,
         wire.VERSION,
         layout.width_mm,
         layout.height_mm,
@@ -75,11 +75,11 @@ def scene(
     )
 
 
-def homography(own: Own, projector: CanvasProjector, matrix: Matrix) -> wire.Homography:
+def homography(status: CanvasStatus, projector: CanvasProjector, matrix: Matrix) -> wire.Homography:
     """Return where a projector's picture is on the canvas; `matrix`: the projector's."""
     return wire.Homography(
-        own.node,
-        own.session,
+        status.node,
+        status.session,
         REVISION,
         projector.width_px,
         projector.height_px,
@@ -87,7 +87,7 @@ def homography(own: Own, projector: CanvasProjector, matrix: Matrix) -> wire.Hom
     )
 
 
-def health(own: Own, nodes: Collection[NodeReports]) -> wire.Health:
+def health(status: CanvasStatus, nodes: Collection[NodeReports]) -> wire.Health:
     """Return the health of the canvas."""
     healths = [each.health for each in nodes if each.health is not None]
     lost = len(healths) < len(nodes)
@@ -95,35 +95,35 @@ def health(own: Own, nodes: Collection[NodeReports]) -> wire.Health:
     cameras = [each.camera for each in healths]
     fits = [each.profile_fit for each in healths]
     return wire.Health(
-        own.node,
-        own.session,
-        own.fps,
-        own.latency_ms,
-        own.missed,
-        own.incomplete,
+        status.node,
+        status.session,
+        status.fps,
+        status.latency_ms,
+        status.missed,
+        status.incomplete,
         wire.Tracker.FAILED if wire.Tracker.FAILED in trackers else max(trackers, default=0),
         wire.Camera.LOST if lost or wire.Camera.LOST in cameras else max(cameras, default=0),
         max((each.tracker_ms for each in healths), default=-1.0),
-        own.restarts,
+        status.restarts,
         0.0,
         max(fits, default=0) if any(each > wire.ProfileFit.GOOD for each in fits) or lost
         else min(fits, default=0),
-        own.zenoh_missing,
+        status.zenoh_missing,
         sum(each.write_errors for each in healths),
-        own.memory_mb,
+        status.memory_mb,
         max((each.load for each in healths), default=0),
         min((each.looks_hz for each in healths), default=-1.0),
-        nodes=own.nodes,
-        clock_offset_ms=own.clock_offset_ms,
-        clock_deviation_ms=own.clock_deviation_ms,
+        nodes=status.nodes,
+        clock_offset_ms=status.clock_offset_ms,
+        clock_deviation_ms=status.clock_deviation_ms,
     )  # fmt: skip
 
 
-def clock_sentence(where: Where, fit: ClockFit, behind_ms: float) -> str:
+def clock_sentence(surface: SurfaceKey, fit: ClockFit, behind_ms: float) -> str:
     """Say how far a node's clock is off, and how well that is measured."""
     word = "behind" if behind_ms >= 0.0 else "ahead"
     return (
-        f"{'/'.join(where)}: its clock is {abs(behind_ms):.1f} ms {word} "
+        f"{'/'.join(surface)}: its clock is {abs(behind_ms):.1f} ms {word} "
         f"(+- {fit.deviation_us / 1000.0:.1f} ms, and the shortest way here is a part of it), and "
         f"drifts by {-fit.drift * 1e6:.0f} ppm (+- {max(fit.drift_deviation * 1e6, 1.0):.0f})"
     )

@@ -16,13 +16,14 @@ from typing import Literal
 from halo_service.canvas.detections import Member, NodeEvent
 
 SAME_US = 80_000
-"""Downs of two nodes so near in time are one: they differ by up to two frames. People tap with one
+"""Downs of two nodes within this time are one: they differ by up to two frames. People tap with one
 finger at most every 100 ms."""
 ORDER_US = 40_000
-"""A down that is so little before another node's up can be after it: both times have errors."""
+"""A down that is reported up to this time before another node's up may be after it: both times have
+errors."""
 RETURN_US, LONGEST_US = 150_000, 300_000
-"""A finger that vanished at a seam while it touched is awaited on the other side for so long, and
-longer where it has appeared there and seems to hover yet."""
+"""How long the up of a finger that vanished at a seam while it touched waits for the other side,
+and how long where the finger has appeared there and still seems to hover."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ class MergedTouches:
         """Those that report a touch which is over for the others."""
         self._took_part: set[Member] = set()
         self._awaited: NodeEvent | None = None
-        """The end of the touch, if no node soon sees that it goes on."""
+        """The end of the touch, which is sent unless a node soon sees that it goes on."""
         self._lifted_us: int | None = None
         """When a node saw the finger leave; None: in this touch, none has."""
 
@@ -66,7 +67,7 @@ class MergedTouches:
         """Which nodes' pointers touch now, as part of the open touch."""
         return set(self._holds)
 
-    def knows(self, member: Member) -> bool:
+    def has_down(self, member: Member) -> bool:
         """Whether the down of a member's present touch was seen."""
         return member in self._holds or member in self._late
 
@@ -111,10 +112,10 @@ class MergedTouches:
         held = self._holds.pop(member, None) is not None
         return [self._close(event)] if held and not self._holds else []
 
-    def settle(self, now_us: int, *, fresh: bool = False, lifted: bool = False) -> list[Change]:
-        """Decide what has waited long enough.
+    def decide(self, now_us: int, *, fresh: bool = False, lifted: bool = False) -> list[Change]:
+        """End or begin touches that waited long enough for another node's report.
 
-        `fresh`: a node sees the finger since a moment; `lifted`: several see it in the air.
+        `fresh`: a node has just found the finger; `lifted`: several see it in the air.
         """
         changes: list[Change] = []
         longest_us = 0 if lifted else LONGEST_US if fresh else RETURN_US

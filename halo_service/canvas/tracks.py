@@ -8,16 +8,16 @@ from collections.abc import Iterable
 
 import halo_protocol as wire
 from halo_service.canvas.blend import Blend, velocity
-from halo_service.canvas.detections import Detection, Member, Place, Where
+from halo_service.canvas.detections import Detection, Member, Place, SurfaceKey
 from halo_service.canvas.touches import RETURN_US, Change, MergedTouches
 from halo_service.values import Diagnostics, Finger, Pointer, Side, Touch
 
 LEAST_PRESSURE = 0.02
 """Of a touch, as the protocol has it."""
 IN_AIR = 2
-"""In so many frames a node sees that a finger is in the air; one may be an error."""
+"""Number of frames after which a node is sure that a finger is in the air; one may be an error."""
 RECENT_US = 150_000
-"""A node that sees a finger for so short a time may notice its touch late."""
+"""A node may notice the touch of a finger late for this time after it has found it."""
 DRAW = 0.1
 """What is added to the share of the present finger or side, so that it stays."""
 NO_DIAGNOSTICS = Diagnostics((0.0, 0.0, 0.0), (0.0, 0.0), *([math.nan] * 6))
@@ -51,14 +51,14 @@ class Track:
         return self.blend.seen
 
     @property
-    def nodes(self) -> set[Where]:
+    def nodes(self) -> set[SurfaceKey]:
         """The surfaces on which it is seen."""
-        return {where for where, _ in self.members}
+        return {surface for surface, _ in self.members}
 
-    def is_surely(self, where: Where) -> bool:
-        """Whether its pointer of a node is surely its own: this node sees it, or no other does."""
+    def is_reliable_on(self, surface: SurfaceKey) -> bool:
+        """Whether its pointer on a surface is reliable: this node sees it well, or no node does."""
         sure = {node for (node, _), seen in self.members.items() if not seen.weak}
-        return where in sure or not sure
+        return surface in sure or not sure
 
     def place_mm(self, time_us: int) -> Place:
         """Return where it is at a time."""
@@ -90,30 +90,30 @@ class Track:
     def is_unsure(self, member: Member, time_us: int) -> bool:
         """Whether a release that a node reports may be none.
 
-        The node has lost sight of the finger, or another one has seen it for so short a time that
-        it may not have noticed the touch yet.
+        The node has lost the finger, or another node has found it just now and may not have
+        noticed the touch yet.
         """
         if time_us - self.coasted_us.get(member, -RECENT_US) < RECENT_US:
             return True
         others = (first for other, first in self.first_us.items() if other != member)
         return any(time_us - first < RECENT_US for first in others)
 
-    def settle(self, time_us: int) -> list[Change]:
-        """Decide what has waited long enough; a node that is new may still notice the touch."""
+    def decide_touches(self, time_us: int) -> list[Change]:
+        """End or begin touches that waited for another node's report."""
         newest_us = max(self.first_us.values(), default=time_us)
         lifted = [self.in_air.get(each, 0) >= IN_AIR for each in self.members]
-        return self.touches.settle(
+        return self.touches.decide(
             time_us,
             fresh=time_us - newest_us < RECENT_US,
             lifted=len(lifted) > 1 and all(lifted),
         )
 
     def is_over(self, time_us: int) -> bool:
-        """Whether no node has seen it for so long that it is gone."""
+        """Whether no node has seen it for longer than a return takes."""
         return self.vanished_us is not None and time_us - self.vanished_us > RETURN_US
 
     def decide_finger(self) -> None:
-        """Choose the finger that most weight says; what it was wins a draw."""
+        """Choose the finger with the most weight; the present one wins a draw."""
         shares = defaultdict(float, {self.finger: DRAW})
         for member, seen in self.members.items():
             shares[_finger(seen.pointer.finger)] += self.blend.share(member)
@@ -145,13 +145,13 @@ class Track:
     def _hover_mm(self, time_us: int) -> float:
         in_air = {member for member, each in self.members.items() if not each.pointer.touching}
         mean_mm = self.blend.mean(lambda each: each.pointer.hover_mm, in_air, time_us)
-        return _known(mean_mm, self.blend.best().pointer.hover_mm)
+        return _finite(mean_mm, self.blend.best().pointer.hover_mm)
 
     def _touch_pressure(self, time_us: int) -> float:
         """Return the pressure; the last one while no node sees the touch."""
         holders = self.touches.holders
         mean = self.blend.mean(lambda each: each.pointer.pressure, holders, time_us)
-        self._pressure = max(_known(mean, self._pressure), LEAST_PRESSURE)
+        self._pressure = max(_finite(mean, self._pressure), LEAST_PRESSURE)
         return self._pressure
 
     def _force_g(self, time_us: int) -> float:
@@ -163,7 +163,7 @@ class Track:
             and (member in self.touches.holders or not self.touches.touching)
         }
         mean_g = self.blend.mean(lambda each: each.pointer.force_g, measured, time_us)
-        return _known(mean_g, -1.0)
+        return _finite(mean_g, -1.0)
 
 
 def decide_sides(tracks: Iterable[Track]) -> None:
@@ -183,9 +183,9 @@ def decide_sides(tracks: Iterable[Track]) -> None:
 
 
 def _hands(tracks: list[Track]) -> list[list[Track]]:
-    hands: list[tuple[set[tuple[Where, int]], list[Track]]] = []
+    hands: list[tuple[set[tuple[SurfaceKey, int]], list[Track]]] = []
     for track in tracks:
-        seen_as = {(where, seen.pointer.hand) for (where, _), seen in track.members.items()}
+        seen_as = {(surface, seen.pointer.hand) for (surface, _), seen in track.members.items()}
         seen_as = {each for each in seen_as if each[1] != Side.UNKNOWN}
         joined = [hand for hand in hands if hand[0] & seen_as]
         hands = [hand for hand in hands if not hand[0] & seen_as]
@@ -210,5 +210,5 @@ def _finger(number: int) -> Finger:
     return Finger(number) if number in wire.Finger._value2member_map_ else Finger.INDEX
 
 
-def _known(value: float, otherwise: float) -> float:
+def _finite(value: float, otherwise: float) -> float:
     return otherwise if math.isnan(value) else value

@@ -103,7 +103,7 @@ def test_each_touch_is_counted_once(steps: list[Step], expected: str) -> None:
         if what in ("down", "join"):
             changes += touches.down(who, event, discovered=what == "join")  # type: ignore[arg-type]
         elif what == "settle":
-            changes += touches.settle(ms * 1000)
+            changes += touches.decide(ms * 1000)
         else:
             returns = what in ("vanish", "unsure up")
             changes += touches.up(who, event, vanished=what == "vanish", returns=returns)  # type: ignore[arg-type]

@@ -16,7 +16,7 @@ from halo_client import ZenohSource
 from halo_service.app.canvas.nodes import follow_nodes
 from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
-from halo_service.canvas.detections import Where
+from halo_service.canvas.detections import SurfaceKey
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.picture import Picture
 from halo_service.errors import UserError
@@ -35,26 +35,26 @@ class Drawer:
         self.picture = Picture(layout)
 
     @property
-    def nodes(self) -> list[Where]:
+    def nodes(self) -> list[SurfaceKey]:
         """All surfaces of the layout."""
         return list(self._canvas.nodes)
 
-    def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
+    def handle(self, surface: SurfaceKey, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
         with self._lock:
             for event in received_events(events):
-                self.add(where, event, CLOCK.unix_us())
+                self.add(surface, event, CLOCK.unix_us())
 
-    def absent(self) -> list[Where]:
+    def absent(self) -> list[SurfaceKey]:
         """Return the surfaces of which no frame has arrived."""
         with self._lock:
-            return [where for where, node in self._canvas.nodes.items() if not node.frames]
+            return [surface for surface, node in self._canvas.nodes.items() if not node.frames]
 
-    def add(self, where: Where, event: wire.Event, now_us: int) -> None:
+    def add(self, surface: SurfaceKey, event: wire.Event, now_us: int) -> None:
         """Merge and draw what arrived."""
-        merged = self._canvas.handle(where, event, now_us)
+        merged = self._canvas.handle(surface, event, now_us)
         if isinstance(event, wire.TouchFrame):
-            self.picture.add_node(self._canvas.nodes[where].area, event)
+            self.picture.add_node(self._canvas.nodes[surface].area, event)
         if merged is not None:
             self.picture.add(merged)
 

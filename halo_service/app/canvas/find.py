@@ -13,7 +13,7 @@ import halo_protocol as wire
 from halo_client import Follow, ZenohSource
 from halo_service.app.canvas.nodes import follow_nodes
 from halo_service.app.following import received_events
-from halo_service.canvas.detections import Place, Where
+from halo_service.canvas.detections import Place, SurfaceKey
 from halo_service.canvas.finding.marker import MarkerError, between
 from halo_service.canvas.finding.placing import Between, placed
 from halo_service.canvas.finding.rigid import RigidFit, fit
@@ -38,28 +38,30 @@ MOST_ERROR_MM = 4.0
 class Collector:
     """What threads receive of the nodes."""
 
-    def __init__(self, wheres: Sequence[Where], now_us: Callable[[], int] = CLOCK.unix_us) -> None:
+    def __init__(
+        self, surfaces: Sequence[SurfaceKey], now_us: Callable[[], int] = CLOCK.unix_us
+    ) -> None:
         """`now_us`: the clock by which frames arrive."""
         self._now_us = now_us
         self._lock = threading.Lock()
-        self.touches = {where: NodeTouches() for where in wheres}
-        self.sizes_mm: dict[Where, Place] = {}
-        self.poses: dict[Where, wire.Pose] = {}
+        self.touches = {surface: NodeTouches() for surface in surfaces}
+        self.sizes_mm: dict[SurfaceKey, Place] = {}
+        self.poses: dict[SurfaceKey, wire.Pose] = {}
 
-    def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
+    def handle(self, surface: SurfaceKey, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
         with self._lock:
             for event in received_events(events):
                 if isinstance(event, wire.TouchFrame):
-                    self.touches[where].receive(event, self._now_us())
+                    self.touches[surface].receive(event, self._now_us())
                 elif isinstance(event, wire.Lost):
-                    self.touches[where] = NodeTouches(touches=self.touches[where].touches)
+                    self.touches[surface] = NodeTouches(touches=self.touches[surface].touches)
                 elif isinstance(event, wire.Report) and isinstance(event.message, wire.Scene):
-                    self.sizes_mm[where] = (event.message.width_mm, event.message.height_mm)
+                    self.sizes_mm[surface] = (event.message.width_mm, event.message.height_mm)
                 elif isinstance(event, wire.Report) and isinstance(event.message, wire.Pose):
-                    self.poses[where] = event.message
+                    self.poses[surface] = event.message
 
-    def fits(self) -> dict[tuple[Where, Where], tuple[int, RigidFit | None]]:
+    def fits(self) -> dict[tuple[SurfaceKey, SurfaceKey], tuple[int, RigidFit | None]]:
         """Return for each pair of surfaces how many touches both saw, and the fit."""
         found = {}
         with self._lock:
@@ -77,27 +79,27 @@ def find(
     `by`: touch or marker; `touches`: that each pair of neighbours shares; `seconds`: time for them.
     Raises `UserError`.
     """
-    wheres = [(each.node, each.surface) for each in follows]
-    collector = Collector(wheres)
+    surfaces = [(each.node, each.surface) for each in follows]
+    collector = Collector(surfaces)
     with ExitStack() as stack:
-        follow_nodes(wheres, source, collector.handle, stack)
-        _wait(lambda: len(collector.sizes_mm) == len(wheres), SCENES_S)
-        if missing := [_name(each) for each in wheres if each not in collector.sizes_mm]:
+        follow_nodes(surfaces, source, collector.handle, stack)
+        _wait(lambda: len(collector.sizes_mm) == len(surfaces), SCENES_S)
+        if missing := [_name(each) for each in surfaces if each not in collector.sizes_mm]:
             raise UserError(
                 f"canvas: no service sends {' or '.join(missing)} at "
                 f"{', '.join(source.connect) or source.config}; 'halo list' shows what is there"
             )
         if by == "marker":
-            _wait(lambda: len(collector.poses) == len(wheres), POSES_S)
+            _wait(lambda: len(collector.poses) == len(surfaces), POSES_S)
             known = list(_by_marker(collector))
         else:
             known = by_touch(collector, touches, seconds)
-        sizes_mm = {where: collector.sizes_mm[where] for where in wheres}
+        sizes_mm = {surface: collector.sizes_mm[surface] for surface in surfaces}
     layout, away = placed(sizes_mm, known)
     if away:
-        where = ", ".join(map(_name, away))
+        names = ", ".join(map(_name, away))
         raise UserError(
-            f"canvas: {where} cannot be placed: {REMEDIES[by]}, or write the layout by hand"
+            f"canvas: {names} cannot be placed: {REMEDIES[by]}, or write the layout by hand"
         )
     return layout
 
@@ -110,7 +112,7 @@ REMEDIES = {
 
 
 def _by_marker(collector: Collector) -> Iterator[Between]:
-    anchored = {where: pose for where, pose in collector.poses.items() if pose.anchored}
+    anchored = {surface: pose for surface, pose in collector.poses.items() if pose.anchored}
     for here, there in combinations(anchored, 2):
         try:
             matrix = between(anchored[here], anchored[there])
@@ -128,7 +130,7 @@ def by_touch(collector: Collector, touches: int, seconds: float) -> list[Between
         "that are far apart",
         touches,
     )
-    counts: dict[tuple[Where, Where], int] = {}
+    counts: dict[tuple[SurfaceKey, SurfaceKey], int] = {}
     until_s = time.monotonic() + seconds
     while time.monotonic() < until_s:
         time.sleep(LOOK_S)
@@ -152,7 +154,7 @@ def by_touch(collector: Collector, touches: int, seconds: float) -> list[Between
 
 
 def _checked(
-    collector: Collector, pair: tuple[Where, Where], count: int, found: RigidFit | None
+    collector: Collector, pair: tuple[SurfaceKey, SurfaceKey], count: int, found: RigidFit | None
 ) -> Between:
     """Return a fit that is good, and say how good. Raises `UserError`."""
     here, there = pair
@@ -186,9 +188,11 @@ def _checked(
     return Between(here, there, found.matrix, near)
 
 
-def _reached(wheres: Sequence[Where], linked: set[tuple[Where, Where]]) -> set[Where]:
+def _reached(
+    surfaces: Sequence[SurfaceKey], linked: set[tuple[SurfaceKey, SurfaceKey]]
+) -> set[SurfaceKey]:
     """Return the surfaces that are linked with the first one."""
-    reached = {wheres[0]}
+    reached = {surfaces[0]}
     while more := {w for pair in linked if reached & set(pair) for w in pair} - reached:
         reached |= more
     return reached
@@ -200,5 +204,5 @@ def _wait(condition: Callable[[], bool], seconds: float) -> None:
         time.sleep(LOOK_S / 4.0)
 
 
-def _name(where: Where) -> str:
-    return "/".join(where)
+def _name(surface: SurfaceKey) -> str:
+    return "/".join(surface)

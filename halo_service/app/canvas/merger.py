@@ -16,10 +16,10 @@ import halo_protocol as wire
 from halo_service.app.canvas.publisher import CanvasPublisher
 from halo_service.app.following import received_events
 from halo_service.canvas.canvas import Canvas
-from halo_service.canvas.detections import Where
+from halo_service.canvas.detections import SurfaceKey
 from halo_service.canvas.layout import Layout
 from halo_service.canvas.placement import placement_warnings
-from halo_service.canvas.reports import NodeReports, Own, clock_sentence
+from halo_service.canvas.reports import CanvasStatus, NodeReports, clock_sentence
 from halo_service.host_clock import CLOCK
 from halo_service.runtime.memory import memory_mb
 from halo_service.values import TouchFrame
@@ -50,17 +50,17 @@ class Merger:
         self.ends = False
         """Set before the nodes are closed, so that they are not logged as lost."""
 
-    def handle(self, where: Where, events: Sequence[wire.Event]) -> None:
+    def handle(self, surface: SurfaceKey, events: Sequence[wire.Event]) -> None:
         """Note what arrived of one node; from any thread."""
         if not events:
             return
         with self._lock:
             for event in received_events(events):
                 if isinstance(event, wire.Lost):
-                    self._note_lost(where, event.session)
-                self._send(self._canvas.handle(where, event, CLOCK.unix_us()))
+                    self._note_lost(surface, event.session)
+                self._send(self._canvas.handle(surface, event, CLOCK.unix_us()))
                 if isinstance(event, wire.Report):
-                    self._note(where, event.message)
+                    self._note(surface, event.message)
 
     def turn(self) -> None:
         """Send what is due; a few times a second."""
@@ -72,7 +72,7 @@ class Merger:
                 self._send_scene()
             if now_us - self._health_us >= HEALTH_US:
                 self._health_us = now_us
-                self._publisher.health(self._own(), list(self._reports.values()))
+                self._publisher.health(self._canvas_status(), list(self._reports.values()))
             if self._clocks_us is None:
                 self._clocks_us = now_us - CLOCKS_US * 5 // 6
             if now_us - self._clocks_us >= CLOCKS_US:
@@ -87,36 +87,36 @@ class Merger:
     def end(self) -> None:
         """Send frames without pointers, so that none stays at a client."""
         with self._lock:
-            for where in self._canvas.nodes:
-                self._send(self._canvas.lost(where, CLOCK.unix_us()))
+            for surface in self._canvas.nodes:
+                self._send(self._canvas.lost(surface, CLOCK.unix_us()))
             for _ in range(COPIES):
                 self._send(self._canvas.frame(CLOCK.unix_us()))
 
-    def status(self) -> list[str]:
+    def summary(self) -> list[str]:
         """Return a sentence for each node: what arrived of it, and what was lost."""
         with self._lock:
             return [
-                f"{'/'.join(where)}: {node.frames} frames arrived, {node.missed} missed, "
+                f"{'/'.join(surface)}: {node.frames} frames arrived, {node.missed} missed, "
                 f"{node.incomplete} incomplete"
-                for where, node in self._canvas.nodes.items()
+                for surface, node in self._canvas.nodes.items()
             ]
 
     def _note(
-        self, where: Where, message: wire.Scene | wire.Homography | wire.Pose | wire.Health
+        self, surface: SurfaceKey, message: wire.Scene | wire.Homography | wire.Pose | wire.Health
     ) -> None:
-        known = self._reports[where]
+        known = self._reports[surface]
         if isinstance(message, wire.Scene):
             if known.scene is None:
                 log.info(
                     "%s is there: %.0f x %.0f mm",
-                    "/".join(where),
+                    "/".join(surface),
                     message.width_mm,
                     message.height_mm,
                 )
-            self._reports[where] = NodeReports(message, known.health)
+            self._reports[surface] = NodeReports(message, known.health)
             self._check_placement()
         elif isinstance(message, wire.Health):
-            self._reports[where] = NodeReports(known.scene, message)
+            self._reports[surface] = NodeReports(known.scene, message)
 
     def _check_placement(self) -> None:
         """Warn once, when the sizes of all surfaces are known."""
@@ -127,12 +127,12 @@ class Merger:
         for warning in placement_warnings(self._layout, areas):
             log.warning("%s", warning)
 
-    def _note_lost(self, where: Where, session: str) -> None:
+    def _note_lost(self, surface: SurfaceKey, session: str) -> None:
         """Forget the reports of a node, unless a newer session of it has begun."""
-        if self._canvas.is_session(where, session):
-            if self._reports[where].scene is not None and not self.ends:
-                log.info("%s is lost; its touches are ended", "/".join(where))
-            self._reports[where] = NodeReports()
+        if self._canvas.is_session(surface, session):
+            if self._reports[surface].scene is not None and not self.ends:
+                log.info("%s is lost; its touches are ended", "/".join(surface))
+            self._reports[surface] = NodeReports()
 
     def _send(self, frame: TouchFrame | None) -> None:
         if frame is None:
@@ -144,16 +144,16 @@ class Merger:
 
     def _send_scene(self) -> None:
         nodes = list(self._reports.values())
-        self._publisher.scene(self._own(), nodes, self._canvas.pace.rate_hz)
+        self._publisher.scene(self._canvas_status(), nodes, self._canvas.pace.rate_hz)
 
-    def _own(self) -> Own:
+    def _canvas_status(self) -> CanvasStatus:
         nodes = self._canvas.nodes.values()
         there = [each.clock for each in nodes if each.session and each.clock.fit is not None]
         worst = max(there, key=lambda each: abs(each.behind_us), default=None)
         newest_us = self._sent_us[-1] if self._sent_us else 0
         recent = [each for each in self._sent_us if newest_us - each <= HEALTH_US]
         span_s = (newest_us - recent[0]) / 1e6 if recent else 0.0
-        return Own(
+        return CanvasStatus(
             self._publisher.node,
             self._publisher.session,
             fps=(len(recent) - 1) / span_s if span_s > 0.0 else 0.0,
@@ -169,7 +169,7 @@ class Merger:
         )
 
     def _log_clocks(self) -> None:
-        for where, node in self._canvas.nodes.items():
+        for surface, node in self._canvas.nodes.items():
             if node.clock.fit is not None:
                 behind_ms = node.clock.behind_us / 1000.0
-                log.info("%s", clock_sentence(where, node.clock.fit, behind_ms))
+                log.info("%s", clock_sentence(surface, node.clock.fit, behind_ms))

@@ -10,7 +10,7 @@ from halo_service.app.service.carriers import Carriers
 from halo_service.app.versions import service_version
 from halo_service.canvas import reports
 from halo_service.canvas.layout import Layout
-from halo_service.canvas.reports import NodeReports, Own
+from halo_service.canvas.reports import CanvasStatus, NodeReports
 from halo_service.host_clock import CLOCK
 from halo_service.outputs import Carrier
 from halo_service.outputs.frame_encoder import FrameEncoder
@@ -61,27 +61,27 @@ class CanvasPublisher:
         """Send one frame."""
         self._send_all(self._frames.encode(frame))
 
-    def scene(self, own: Own, nodes: Sequence[NodeReports], rate_hz: float) -> None:
+    def scene(self, status: CanvasStatus, nodes: Sequence[NodeReports], rate_hz: float) -> None:
         """Send the scene and the homographies."""
         collision = self._names.collision(time.monotonic())
-        scene = reports.scene(own, self._layout, nodes, rate_hz, self._control_port, collision)
+        scene = reports.scene(status, self._layout, nodes, rate_hz, self._control_port, collision)
         self.rate_hz = scene.rate_hz
         self._report_all(
             replace(scene, service_version=service_version(), zenoh_version=self._zenoh_version)
         )
         for projector, matrix in self._projectors:  # after the scene: they refer to its revision
             surface = self._layout.surface_name(projector)
-            message = reports.homography(own, projector, matrix)
+            message = reports.homography(status, projector, matrix)
             outgoing = OutgoingReport(surface, message, named_only=bool(projector.name))
             self._carriers.send(outgoing)
 
-    def health(self, own: Own, nodes: Sequence[NodeReports]) -> None:
+    def health(self, status: CanvasStatus, nodes: Sequence[NodeReports]) -> None:
         """Send the health."""
         _, error_ms = CLOCK.check()
         time_s, time_frac_us = divmod(CLOCK.unix_us(), 1_000_000)
         self._report_all(
             replace(
-                reports.health(own, nodes),
+                reports.health(status, nodes),
                 clock_error_ms=error_ms,
                 time_s=time_s,
                 time_frac_us=time_frac_us,

@@ -98,7 +98,7 @@ def _announced(
 
 def _end(merger: Merger) -> None:
     merger.end()
-    for sentence in merger.status():
+    for sentence in merger.summary():
         log.info("%s", sentence)
 
 

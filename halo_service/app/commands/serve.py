@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--wait",
         type=seconds,
         metavar="S",
-        help="wait so long for a camera at the start (default: 0)",
+        help="longest wait for a camera at the start (default: 0)",
     )
     parser.add_argument("--log-json", action="store_true", help="a JSON object for each log line")
     parser.add_argument("--node", metavar="NAME", help="name of this service on the network")

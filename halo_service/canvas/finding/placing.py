@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halo_service.canvas.detections import Place, Where, mapped
+from halo_service.canvas.detections import Place, SurfaceKey, mapped
 from halo_service.canvas.layout import Layout, Matrix, PlacedSurface
 
 
@@ -20,8 +20,8 @@ from halo_service.canvas.layout import Layout, Matrix, PlacedSurface
 class Between:
     """Where the surface `there` is on the surface `here`."""
 
-    here: Where
-    there: Where
+    here: SurfaceKey
+    there: SurfaceKey
     here_from_there: Matrix
     error_mm: float
 
@@ -31,19 +31,19 @@ class Between:
 
 
 def placed(
-    sizes_mm: Mapping[Where, Place], known: Sequence[Between], name: str = "table"
-) -> tuple[Layout, list[Where]]:
+    sizes_mm: Mapping[SurfaceKey, Place], pairs: Sequence[Between], name: str = "table"
+) -> tuple[Layout, list[SurfaceKey]]:
     """Return the layout, and the surfaces that no pair reaches, which it leaves out."""
-    both = [*known, *(each.turned() for each in known)]
+    both = [*pairs, *(each.turned() for each in pairs)]
     first = next(iter(sizes_mm))
-    at: dict[Where, Matrix] = {first: np.eye(3)}
+    at: dict[SurfaceKey, Matrix] = {first: np.eye(3)}
     while steps := [each for each in both if each.here in at and each.there not in at]:
         best = min(steps, key=lambda each: each.error_mm)
         at[best.there] = at[best.here] @ best.here_from_there
     corners = [
-        mapped(at[where], corner)
-        for where, (w, h) in sizes_mm.items()
-        if where in at
+        mapped(at[surface], corner)
+        for surface, (w, h) in sizes_mm.items()
+        if surface in at
         for corner in ((0.0, 0.0), (w, 0.0), (w, h), (0.0, h))
     ]
     left, top = (min(each[axis] for each in corners) for axis in (0, 1))
@@ -59,4 +59,4 @@ def placed(
         for (node, surface), matrix in at.items()
     )
     layout = Layout(round(right - left, 1), round(bottom - top, 1), surfaces, name)
-    return layout, [where for where in sizes_mm if where not in at]
+    return layout, [surface for surface in sizes_mm if surface not in at]

@@ -22,8 +22,8 @@ MOST = 1024
 """Touches of one surface that are remembered."""
 HELD_MM = 12.0
 """A touch that moves farther is no held one: two cameras see different parts of it."""
-SETTLED_US = 2_000_000
-"""A clock is used so long after its first frame."""
+CLOCK_READY_US = 2_000_000
+"""Time after a node's first frame from which on its clock is known well enough."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class NodeTouches:
         if self._first_us is None:
             self._first_us = time_us
         for down in frame.downs:
-            if time_us - self._first_us > SETTLED_US:
+            if time_us - self._first_us > CLOCK_READY_US:
                 began_us = time_us - round(down.ago_ms * 1000.0)
                 self._open[down.id] = _Open(began_us, deque(maxlen=MOST))
         touching = {each.id: each for each in frame.pointers if each.touching}

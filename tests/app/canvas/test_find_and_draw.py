@@ -18,7 +18,7 @@ from halo_service.app.canvas.draw import Drawer, save
 from halo_service.app.canvas.find import Collector, by_touch
 from halo_service.app.cli import main
 from halo_service.app.following import received_events
-from halo_service.canvas.detections import Where
+from halo_service.canvas.detections import SurfaceKey
 from halo_service.canvas.finding.placing import placed
 from halo_service.canvas.picture import colour
 from halo_service.errors import UserError
@@ -47,9 +47,9 @@ def tapped(collector: Collector, places: tuple[tuple[float, float], ...], now: l
 
 
 def test_touches_of_both_cameras_give_the_layout() -> None:
-    wheres: list[Where] = [("node0", "table"), ("node1", "table")]
+    surfaces: list[SurfaceKey] = [("node0", "table"), ("node1", "table")]
     now = [0]
-    collector = Collector(wheres, lambda: now[0])
+    collector = Collector(surfaces, lambda: now[0])
     tapped(collector, PLACES, now)
     layout, away = placed(collector.sizes_mm, by_touch(collector, 5, 1.0))
     assert not away

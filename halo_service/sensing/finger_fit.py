@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from halo_service.sensing.finger_frame import FingerFrame, Grid, blended, grid
@@ -51,11 +52,13 @@ class Fit(NamedTuple):
 
 
 class _Template(NamedTuple):
-    inside: Floats
-    around: Floats
-    """(rows, columns): weights of two means."""
-    anchor: tuple[int, int]
-    """Column and row of the finger's end."""
+    at: Grid
+    """(turns * rows, columns): what is read around all places that are tried, in all turns."""
+    rows: int
+    """Of the template itself."""
+    weights: Floats
+    """(rows * columns, 2 * places in a row): from as many rows of what is read to the mean inside
+    the template and the mean around it, at each place in a row."""
 
 
 def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None:
@@ -64,30 +67,32 @@ def fit_finger(mask: Floats, guess: FingerFrame, radius_mm: float) -> Fit | None
     `mask`: (h, w) 1 where this finger is for sure, -1 where it is not for sure, 0 where nothing is
     known; `guess`: in its pixels; `radius_mm`: of the tip.
     """
-    template, margin = _template(radius_mm), round(LENGTH_MM / STEP_MM) + 1
-    at = _places(margin)
+    template, unlikely = _template(radius_mm), _unlikely()
     layers = np.asarray(cv2.merge([mask, (mask != 0.0).astype(np.float32)]), np.float32)
-    best, most = None, -math.inf
-    for degrees in TURNS_DEG:
-        place = guess.turned(math.radians(degrees))
-        seen = blended(layers, place, at)
-        fit = _mean(seen, template.inside, template) - _mean(seen, template.around, template)
-        inner = fit[margin:-margin, margin:-margin]
-        likely = np.float32(WEIGHT) * inner - _unlikely(degrees)
-        row, column = divmod(int(np.argmax(likely)), likely.shape[1])
-        if likely[row, column] > most:
-            most = float(likely[row, column])
-            ahead, aside = _mean_around(likely, row, column)
-            place = place.moved(STEP_MM * ahead - ALONG_MM, STEP_MM * aside - ACROSS_MM)
-            best = Fit(place, float(inner[row, column]))
-    return best if best is not None and best.quality >= LEAST_FIT else None
+    sums = _sums(blended(layers, guess, template.at), template)
+    inside, around = sums[0] / (np.float32(UNKNOWN) + np.float32(1.0 - UNKNOWN) * sums[1])
+    fit = inside - around
+    likely = np.float32(WEIGHT) * fit - unlikely
+    turn, row, column = np.unravel_index(int(np.argmax(likely)), likely.shape)
+    quality = float(fit[turn, row, column])
+    if quality < LEAST_FIT:
+        return None
+    ahead, aside = _mean_around(likely[turn], int(row), int(column))
+    place = guess.turned(math.radians(TURNS_DEG[turn]))
+    return Fit(place.moved(STEP_MM * ahead - ALONG_MM, STEP_MM * aside - ACROSS_MM), quality)
 
 
-def _mean(layers: Floats, weights: Floats, template: _Template) -> Floats:
-    """Return the mean of the first layer around each sample, over what the second one knows."""
-    sums = np.asarray(cv2.filter2D(layers, cv2.CV_32F, weights, anchor=template.anchor))
-    known = np.float32(UNKNOWN) + np.float32(1.0 - UNKNOWN) * sums[..., 1]
-    return np.asarray(sums[..., 0] / known, np.float32)
+def _sums(seen: Floats, template: _Template) -> Floats:
+    """Return the weighted sums of each layer inside and around the template at all places.
+
+    `seen`: (turns * rows, columns, layers); returns (layers, 2, turns, places along, across). One
+    product of matrices: a filter for each turn, layer and mean costs four times as much.
+    """
+    turns, columns = len(TURNS_DEG), seen.shape[1]
+    strips = sliding_window_view(seen.reshape(turns, -1, columns, 2), template.rows, axis=1)
+    flat = strips.transpose(3, 0, 1, 4, 2).reshape(-1, len(template.weights))
+    sums = (flat @ template.weights).reshape(2, turns, strips.shape[1], 2, -1)
+    return np.asarray(sums.transpose(0, 3, 1, 2, 4))
 
 
 def _mean_around(likely: Floats, row: int, column: int) -> tuple[float, float]:
@@ -115,34 +120,48 @@ def _template(radius_mm: float) -> _Template:
     beyond = np.hypot(np.maximum(along + radius_mm, 0.0), across) - radius_mm
     inside = np.clip(0.5 - beyond / STEP_MM, 0.0, 1.0)
     around = (1.0 - inside) * np.clip(0.5 + (BESIDE_MM - beyond) / STEP_MM, 0.0, 1.0)
-    return _Template(
-        (inside / inside.sum()).astype(np.float32),
-        (around / around.sum()).astype(np.float32),
-        (aside, behind),
+    rows, columns = inside.shape
+    places = 2 * round(ACROSS_MM / STEP_MM) + 1
+    weights = np.zeros((rows, places + columns - 1, 2, places), np.float32)
+    for place in range(places):
+        weights[:, place : place + columns, 0, place] = inside / inside.sum()
+        weights[:, place : place + columns, 1, place] = around / around.sum()
+    # One turn below the other, as an image.
+    at = (each.reshape(-1, weights.shape[1]) for each in _turned(_places(behind, ahead, aside)))
+    return _Template(Grid(*at), rows, weights.reshape(-1, 2 * places))
+
+
+def _places(behind: int = 0, ahead: int = 0, aside: int = 0) -> Grid:
+    """Return the places that are tried for the end, and so many rows and columns around them."""
+    rows, columns = round(ALONG_MM / STEP_MM), round(ACROSS_MM / STEP_MM)
+    steps = grid(
+        np.arange(-rows - behind, rows + ahead + 1),
+        np.arange(-columns - aside, columns + aside + 1),
     )
-
-
-@lru_cache(maxsize=2)
-def _places(margin: int) -> Grid:
-    """Return the places that are tried for the end, and as many rows and columns around them."""
-    rows, columns = (round(each / STEP_MM) + margin for each in (ALONG_MM, ACROSS_MM))
-    steps = grid(np.arange(-rows, rows + 1), np.arange(-columns, columns + 1))
     size = np.float32(STEP_MM)
     return Grid(steps.along * size, steps.across * size)
 
 
-@lru_cache(maxsize=len(TURNS_DEG))
-def _unlikely(degrees: float) -> Floats:
+def _turned(at: Grid) -> Grid:
+    """Return a grid in all directions that are tried: (turns, rows, columns)."""
+    turns = np.radians(TURNS_DEG)[:, None, None]
+    along = np.cos(turns) * at.along - np.sin(turns) * at.across
+    across = np.sin(turns) * at.along + np.cos(turns) * at.across
+    return Grid(along.astype(np.float32), across.astype(np.float32))
+
+
+@lru_cache(maxsize=1)
+def _unlikely() -> Floats:
     """Return the negative logarithm of the probability of each place, by the guess's errors.
 
-    Large errors are more frequent than a normal distribution has them.
+    (turns, places along, across). Large errors are more frequent than a normal distribution has
+    them.
     """
-    (along, across), turn = _places(0), math.radians(degrees)
-    ahead = math.cos(turn) * along - math.sin(turn) * across
-    aside = math.sin(turn) * along + math.cos(turn) * across
+    along, across = _turned(_places())
+    degrees = np.array(TURNS_DEG)[:, None, None]
     return np.asarray(
-        np.log1p(0.5 * (ahead / ERROR_ALONG_MM) ** 2)
-        + np.log1p(0.5 * (aside / ERROR_ACROSS_MM) ** 2)
+        np.log1p(0.5 * (along / ERROR_ALONG_MM) ** 2)
+        + np.log1p(0.5 * (across / ERROR_ACROSS_MM) ** 2)
         + 0.5 * (degrees / ERROR_DEG) ** 2,
         np.float32,
     )

@@ -7,6 +7,7 @@ x right, y down, z away. Matrices say their spaces: `colour_from_depth`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -18,6 +19,7 @@ Points = NDArray[np.float64]
 
 UNDISTORTED_PX = 1.0
 """A ray is right if it projects to within this of its pixel."""
+UNTURNED = np.eye(3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +48,7 @@ class Lens:
         if len(points) == 0:
             return np.empty((0, 2))
         zero = np.zeros(3)
-        px, _ = cv2.projectPoints(
-            points.astype(np.float64), zero, zero, self.matrix, np.array(self.distortion)
-        )
+        px, _ = cv2.projectPoints(points.astype(np.float64), zero, zero, *_for_opencv(self))
         return np.asarray(px, dtype=np.float64).reshape(-1, 2)
 
     def rays(self, px: Points) -> Points:
@@ -58,18 +58,20 @@ class Lens:
         # OpenCV's default stops after 5 iterations and is 2 px off in the image's corners.
         until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
         flat = cv2.undistortPointsIter(
-            px.reshape(-1, 1, 2).astype(np.float64),
-            self.matrix,
-            np.array(self.distortion),
-            np.eye(3),
-            np.eye(3),
-            until,
+            px.reshape(-1, 1, 2).astype(np.float64), *_for_opencv(self), UNTURNED, UNTURNED, until
         )
-        rays = np.column_stack([flat.reshape(-1, 2), np.ones(len(px))])
+        rays = np.ones((len(px), 3))
+        rays[:, :2] = flat.reshape(-1, 2)
         # Beyond the lens's image circle the iteration ends anywhere: neighbours would be far apart.
         wrong = ~(np.abs(self.project(rays) - px).max(axis=1) < UNDISTORTED_PX)  # nan is wrong too
         rays[wrong, :2] = (px[wrong] - (self.cx, self.cy)) / (self.fx, self.fy)
         return rays
+
+
+@lru_cache(maxsize=16)
+def _for_opencv(lens: Lens) -> tuple[Points, Points]:
+    """Return a lens's matrix and distortion: the sensing asks for some rays of each finger."""
+    return lens.matrix, np.array(lens.distortion)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

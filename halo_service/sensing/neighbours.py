@@ -10,7 +10,7 @@ nor surface there, but nothing known.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import cv2
@@ -72,10 +72,10 @@ def without_others(
     if place is not None:
         there = segmentation.within(place)
         lines.append(np.array([own[1], there.tip_px, there.moved(AHEAD_MM).tip_px]))
-    away = [_away(each, shape) for each in (lines, others)]
-    mine = away[0] <= away[1]
-    clearly_mine = away[0] <= CLEARLY * away[1]
-    nearer = (away[1] - away[0]) / np.float32(BONES_MM * detection.px_per_mm)
+    own_away, others_away = _away(lines, shape), _away(others, shape)
+    mine = own_away <= others_away
+    clearly_mine = own_away <= CLEARLY * others_away
+    nearer = (others_away - own_away) / np.float32(BONES_MM * detection.px_per_mm)
     share = 1.0 / (1.0 + np.exp(-np.clip(nearer, -20.0, 20.0)))
     if segmentation.share is not None:
         share *= segmentation.share
@@ -97,34 +97,33 @@ def without_others(
 
 def _bones(
     segmentation: Segmentation, detection: Detection, moved_px: Pixel
-) -> tuple[Bones, list[Bones]]:
-    """Return the joints of the detected finger, (4, 2), and those of the others."""
+) -> tuple[Bones, Bones]:
+    """Return the joints of the detected finger, (4, 2), and those of the others, (4, 4, 2)."""
     left, top = segmentation.left - moved_px[0], segmentation.top - moved_px[1]
     marks = detection.hand_px - (left, top)
-    ends = THUMB_TIP + FINGER_MARKS * np.arange(len(Finger))
-    others = [marks[end - FINGER_MARKS + 1 : end + 1] for end in ends]
-    own = others.pop(int(detection.finger))
-    return own, others
+    fingers = marks[THUMB_TIP - FINGER_MARKS + 1 :].reshape(len(Finger), FINGER_MARKS, 2)
+    own = int(detection.finger)
+    return fingers[own], np.delete(fingers, own, axis=0)
 
 
-def _away(lines: Sequence[Bones], shape: tuple[int, ...]) -> NDArray[np.float32]:
+def _away(lines: Iterable[Bones], shape: tuple[int, ...]) -> NDArray[np.float32]:
     """Return how far each pixel is from the nearest of some lines, px."""
     off = ~_drawn(lines, shape)
     return np.asarray(cv2.distanceTransform(off.view(np.uint8), cv2.DIST_L2, 3), np.float32)
 
 
-def _drawn(lines: Sequence[Bones], shape: tuple[int, ...]) -> Mask:
+def _drawn(lines: Iterable[Bones], shape: tuple[int, ...]) -> Mask:
     canvas = np.zeros(shape, np.uint8)
     points = [np.rint(np.clip(line, -FAR_PX, FAR_PX) * 16.0).astype(np.int32) for line in lines]
     cv2.polylines(canvas, points, False, (1,), shift=4)
     return canvas.view(np.bool_)
 
 
-def _by_steps(segmentation: Segmentation, own: Bones, others: Sequence[Bones]) -> NDArray[np.int32]:
+def _by_steps(segmentation: Segmentation, own: Bones, others: Bones) -> NDArray[np.int32]:
     """Return the label of each pixel: `OWN`, `OTHER`, `SURFACE`, or -1 at a border."""
     shape = segmentation.hand.shape
-    mine = _drawn([_first(own)], shape)
-    theirs = _drawn([_first(each) for each in others], shape)
+    mine = _drawn(_first(own)[None], shape)
+    theirs = _drawn(_first(others), shape)
     labels = np.where(segmentation.free, SURFACE, 0).astype(np.int32)
     labels[mine & ~theirs] = OWN
     labels[theirs & ~mine] = OTHER
@@ -134,10 +133,11 @@ def _by_steps(segmentation: Segmentation, own: Bones, others: Sequence[Bones]) -
 
 
 def _first(joints: Bones) -> Bones:
-    """Return the part of a finger's bones on which its landmarks are right."""
+    """Return the part of fingers' bones, (..., 4, 2), on which their landmarks are right."""
     whole, share = divmod(FIRST_BONES, 1.0)
-    last = joints[int(whole)]
-    return np.vstack([joints[: int(whole) + 1], last + share * (joints[int(whole) + 1] - last)])
+    first = joints[..., : int(whole) + 2, :].copy()
+    first[..., -1, :] = first[..., -2, :] + share * (first[..., -1, :] - first[..., -2, :])
+    return first
 
 
 def _hidden(segmentation: Segmentation, labels: NDArray[np.int32], px_per_mm: float) -> Mask:

@@ -90,10 +90,8 @@ def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tu
     patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
     around = excess_mm[seen & (along**2 + across**2 < AROUND_MM**2) & (along > -BACK_MM)]
     px_per_mm2 = on_surface(profile) ** 2
-    first, second = (
-        _deepest(around, round(area * px_per_mm2), float(np.median(noise_mm)))
-        for area in DEEPEST_MM2
-    )
+    typical_mm = float(np.median(noise_mm))
+    first, second = (_deepest(around, round(area * px_per_mm2), typical_mm) for area in DEEPEST_MM2)
     return total, first, second, float(patch.mean()) if patch.size >= LEAST_PX else math.nan
 
 

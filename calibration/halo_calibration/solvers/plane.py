@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.image_places import largest
+from halo_calibration.solvers.plane_fit import least_squares, ransac
 from halo_service.geometry.camera import Camera, Points
 from halo_service.geometry.surface import Surface, from_view
 from halo_service.profile import Background
 
-if TYPE_CHECKING:
-    from sklearn.linear_model import LinearRegression
-
 STEP_PX = 4
 """Every fourth pixel in both directions: 20,000 points determine a plane well enough."""
-TRIALS = 200
-"""Planes through three points; with half of all points on the table, the best of 200 misses it
-once in 10^12."""
 REACH_MM = 8.0
 """How far from the plane a point may lie: the sensor's systematic error is a few mm."""
 ROUNDS = 12
@@ -81,7 +75,7 @@ def solve_plane(background: Background, camera: Camera) -> Plane:
             f"only {share:.0f} % of the surface gives a depth at all; {NO_HALO}; or the camera is "
             f"covered or too far away: it should stand 45 to 70 cm above"
         )
-    normal, offset = _ransac(points[central & measured])
+    normal, offset = ransac(points[central & measured], REACH_MM)
     off = np.abs(points @ normal - offset)
     if np.count_nonzero(off[central & measured] < REACH_MM) < LEAST_ON_PLANE * np.count_nonzero(
         central & measured
@@ -123,44 +117,19 @@ def _central(camera: Camera, px: Points) -> NDArray[np.bool_]:
     return np.asarray(x & y)
 
 
-def _ransac(points: Points) -> tuple[Points, float]:
-    """Return normal and offset, mm, of the plane on which most of (N, 3) points lie."""
-    from sklearn.linear_model import RANSACRegressor  # costs a second to import
-
-    ransac = RANSACRegressor(
-        min_samples=3,
-        residual_threshold=REACH_MM,
-        max_trials=TRIALS,
-        stop_probability=1.0 - 1e-12,
-        random_state=0,  # the same points give the same plane
-    )
-    ransac.fit(points[:, :2], points[:, 2])
-    return _plane_of(ransac.estimator_)
-
-
 def _refined(points: Points, normal: Points, offset: float) -> tuple[Points, float]:
     """Fit (N, 3) points near a plane by least squares with Tukey's weights.
 
     RANSAC alone counts points within `REACH_MM`, so a book 10 mm high tilts its plane by 0.4
     degrees; the weights leave the book out.
     """
-    from sklearn.linear_model import LinearRegression  # costs a second to import
-
     for _ in range(ROUNDS):
         off = points @ normal - offset
         near = np.abs(off) < 3.0 * REACH_MM
         sigma = max(1.4826 * float(np.median(np.abs(off[near]))), LEAST_SIGMA_MM)
         share = np.minimum(np.abs(off) / (TUKEY * sigma), 1.0)
-        weight = (1.0 - share**2) ** 2
-        normal, offset = _plane_of(LinearRegression().fit(points[:, :2], points[:, 2], weight))
+        normal, offset = least_squares(points, (1.0 - share**2) ** 2)
     return normal, offset
-
-
-def _plane_of(fit: LinearRegression) -> tuple[Points, float]:
-    """Return normal and offset, mm, of z = a x + b y + c."""
-    a, b = fit.coef_
-    length = float(np.sqrt(a * a + b * b + 1.0))
-    return np.array([-a, -b, 1.0]) / length, float(fit.intercept_) / length
 
 
 def _note(left: NDArray[np.bool_], off_mm: Points) -> str:

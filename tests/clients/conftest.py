@@ -22,6 +22,7 @@ from halo_protocol import (
     next_frame,
     zenoh_key,
 )
+from tests import ports
 
 RIGHT, INDEX, HOVER, TOUCH = 2, 1, 0, 1
 
@@ -88,16 +89,12 @@ def udp_service() -> Iterator[Callable[..., Service]]:
 
 @pytest.fixture
 def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return ports.free_port()
 
 
 @pytest.fixture
 def free_tcp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return ports.free_port()
 
 
 @pytest.fixture

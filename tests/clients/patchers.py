@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 CLIENTS = Path(__file__).parents[2] / "clients"
@@ -52,14 +50,6 @@ def patch_of(boxes: Sequence[str], wires: Sequence[Wire], message: str = "bang")
     lines.append(f"#X msg 0 0 {message};")
     lines += [f"#X connect {' '.join(map(str, wire))};" for wire in wires]
     return "\n".join(lines) + "\n"
-
-
-def free_udp_ports(count: int) -> list[int]:
-    with ExitStack() as stack:
-        probes = [stack.enter_context(socket.socket(type=socket.SOCK_DGRAM)) for _ in range(count)]
-        for probe in probes:
-            probe.bind(("127.0.0.1", 0))
-        return [int(probe.getsockname()[1]) for probe in probes]
 
 
 def start_sclang(program: str, folder: Path, text: str) -> subprocess.Popen[str]:

@@ -16,7 +16,8 @@ from typing import Any
 import pytest
 
 from docs import touchdesigner
-from tests.clients.patchers import PureData, free_udp_ports, patch_of, start_sclang
+from tests.clients.patchers import PureData, patch_of, start_sclang
+from tests.ports import free_port
 
 pytestmark = pytest.mark.long
 HALO = Path(sys.executable).with_name("halo")
@@ -36,7 +37,7 @@ def test_all_report_the_hits_of_the_monitor(
     stack: ExitStack, tmp_path: Path, external_program: Callable[[str], str]
 ) -> None:
     """A virtual drummer; each tool listens before the service starts."""
-    ports = free_udp_ports(4)
+    ports = [free_port() for _ in range(4)]
     pd, sclang = pure_data(stack, tmp_path, external_program("pd"), ports[0]), None
     sclang = super_collider(stack, tmp_path, external_program("sclang"), ports[1])
     td = TouchDesigner(ports[2])
@@ -44,7 +45,7 @@ def test_all_report_the_hits_of_the_monitor(
     monitor = started(stack, HALO, "monitor", "--json", "--from", f"osc://127.0.0.1:{ports[3]}")
     assert monitor.stdout is not None
     destinations = [word for port in ports for word in ("--osc", f"127.0.0.1:{port}")]
-    options = ["--no-zenoh", "--no-web", "--control-port", str(free_udp_ports(1)[0])]
+    options = ["--no-zenoh", "--no-web", "--control-port", str(free_port())]
     started(stack, HALO, "serve", "--source", "sim:drumming,seed=3", *options, *destinations)
     hits: list[Hit] = []
     for line in monitor.stdout:

@@ -14,13 +14,12 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from halo_service.errors import UserError
 from halo_service.outputs.control import QUEUE, ControlMessage, ControlPort
+from tests.ports import free_port
 
 
 @pytest.fixture
 def port() -> Iterator[tuple[ControlPort, socket.socket]]:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        number = probe.getsockname()[1]
+    number = free_port()
     control = ControlPort("127.0.0.1", number)
     client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     client.connect(("127.0.0.1", number))

@@ -34,6 +34,7 @@ from halo_service.web.server import WebServer
 from halo_service.web.settings import WebSettings
 from tests.browser import visit
 from tests.outputs.samples import TOUCHING, frame
+from tests.ports import free_port
 
 FINGER = replace(TOUCHING, u=0.3, v=0.7, x_mm=90.0, y_mm=140.0, pressure=0.42, vx_mm_s=-15.0)
 NAMES = [field.name for field in ROW_OF_KIND["pointer"].fields]
@@ -84,7 +85,7 @@ def live(
     tmp_path_factory: pytest.TempPathFactory, external_program: Callable[[str], str]
 ) -> Iterator[Live]:
     """Send one touching finger at 30 frames a second."""
-    ports = {name: free_udp_port() for name in (*FRAMES, "tuio11", "tuio2")}
+    ports = {name: free_port() for name in (*FRAMES, "tuio11", "tuio2")}
     formats = {"tuio11": "tuio11", "tuio2": "tuio2"}
     destinations = [
         parse_destination(f"127.0.0.1:{port}/{formats.get(name, 'frames')}")
@@ -107,12 +108,6 @@ def live(
         yield Live(ports, web.url, tmp_path_factory.mktemp("live"), external_program)
         ended.set()
         thread.join()
-
-
-def free_udp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def pointer_of(arguments: Any) -> dict[str, Any]:

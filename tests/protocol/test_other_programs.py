@@ -18,6 +18,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from halo_protocol import DEFAULT_PORT, parse_osc
 from halo_protocol.osc import message_spans
+from tests import ports
 from tests.golden import VECTORS
 
 
@@ -188,6 +189,4 @@ def _exchange(command: list[str], folder: Path, port: int, count: int) -> list[s
 
 @pytest.fixture
 def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return ports.free_port()

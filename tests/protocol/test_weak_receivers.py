@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from halo_protocol import Frame, encode_frame
+from tests.ports import free_port
 
 PATCH = Path(__file__).with_name("frame.pd")
 PYTHON_OSC = """
@@ -48,9 +49,7 @@ def send() -> Callable[[int, bytes], None]:
 def test_pure_data_gets_frame_and_session_time_exactly(
     tmp_path: Path, send: Callable[[int, bytes], None]
 ) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = int(probe.getsockname()[1])
+    port = free_port()
     patch = tmp_path / "frame.pd"
     patch.write_text(PATCH.read_text().replace("PORT", str(port)))
     output = tmp_path / "pd.txt"

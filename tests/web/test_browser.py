@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
 import threading
 from collections.abc import Iterator
 from contextlib import closing
@@ -16,6 +15,7 @@ from halo_service.web.server import WebServer
 from halo_service.web.settings import WebSettings
 from tests.browser import needs_chromium, visit
 from tests.outputs.samples import TOUCHING, fingers, frame
+from tests.ports import free_port
 
 SCENE = wire.Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 0, 0, 30.0)
 DOWN = wire.Down(7, 0, 0.5, 0.25, 210.0, 5.0, 3)
@@ -50,9 +50,7 @@ def server() -> Iterator[WebServer]:
         for each in SENT:
             server.send(each)
 
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     with closing(WebServer(WebSettings(port=port))) as server:
         thread = threading.Thread(target=run, args=(server,))
         thread.start()

@@ -30,6 +30,7 @@ from halo_service.web.server import LARGEST, MAX_CLIENTS, WebServer
 from halo_service.web.settings import WebSettings
 from halo_service.web.subscriber import JSON, OSC, QUEUE
 from tests.outputs.samples import TOUCHING, fingers, frame
+from tests.ports import free_port
 
 SCENE = OutgoingReport("table", wire.Scene("desk", "s1", "1.0.0", 300.0, 200.0, 2, 0, 0, 30.0))
 DOWN = wire.Down(7, 0, 0.5, 0.25, 210.0, 5.0, 3)
@@ -37,9 +38,7 @@ DOWN = wire.Down(7, 0, 0.5, 0.25, 210.0, 5.0, 3)
 
 @pytest.fixture
 def server() -> Iterator[WebServer]:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     with closing(WebServer(WebSettings(port=port))) as server:
         yield server
 
@@ -263,9 +262,7 @@ def test_a_host_of_another_machine_is_one_sentence(host: str) -> None:
 
 
 def test_the_url_of_a_server_that_is_open_to_all_works_on_this_machine() -> None:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     with closing(WebServer(WebSettings(host="0.0.0.0", port=port))) as server:
         assert server.url == f"ws://127.0.0.1:{port}/halo"
         server.send(SCENE)

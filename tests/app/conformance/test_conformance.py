@@ -22,6 +22,7 @@ from halo_service.app.conformance.play import play_udp, play_websocket
 from halo_service.app.conformance.script import rules
 from halo_service.errors import UserError
 from tests.browser import needs_chromium, visit
+from tests.ports import free_port
 
 pytestmark = pytest.mark.slow
 
@@ -209,6 +210,4 @@ def test_a_port_in_use_is_one_sentence(free_tcp_port: int) -> None:
 
 @pytest.fixture
 def free_tcp_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return free_port()

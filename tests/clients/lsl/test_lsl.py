@@ -23,6 +23,7 @@ import pytest
 
 from halo_lsl.streams import STREAMS
 from halo_protocol import Frame, Health, Scene, encode, encode_frame
+from tests.ports import free_port
 
 try:
     import pylsl
@@ -117,9 +118,7 @@ class Program:
 
 @pytest.fixture
 def running(wire: Any, configured: Path, tmp_path: Path) -> Iterator[Program]:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     command = [str(BIN / "halo-lsl"), "--from", f"osc://127.0.0.1:{port}"]
     printed = tmp_path / "printed"
     environment = os.environ | {"LSLAPICFG": str(configured)}

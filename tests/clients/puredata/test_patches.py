@@ -12,8 +12,9 @@ from typing import Any
 
 import pytest
 
-from tests.clients.patchers import PureData, free_udp_ports, patch_of
+from tests.clients.patchers import PureData, patch_of
 from tests.golden import VECTORS
+from tests.ports import free_port
 
 LONGEST_S = 1.0
 """Golden vectors that last longer are left out: Pure Data has its own clock."""
@@ -41,7 +42,7 @@ def pd(
 
 def test_touches_are_those_of_the_golden_vectors(pd: Callable[[str], PureData]) -> None:
     """Each vector goes to a `[halo PORT]` of its own, at the pace of its steps."""
-    ports = free_udp_ports(len(ASSEMBLY))
+    ports = [free_port() for _ in ASSEMBLY]
     boxes, wires = [], []
     for number, port in enumerate(ports):
         boxes += [f"halo {port}", f"print down-{number}", f"print up-{number}"]

@@ -23,6 +23,7 @@ from halo_service.app.conformance.expected import verdict
 from halo_service.app.conformance.play import play_udp, play_websocket
 from halo_service.app.conformance.script import down, frame, steps, touching
 from tests.clients.unity.test_sources import REPORTS
+from tests.ports import free_port
 
 Line = dict[str, Any]
 HALO = Path(sys.executable).with_name("halo")
@@ -89,20 +90,6 @@ def start() -> Iterator[Callable[..., Client]]:
         yield run
 
 
-def free_port_of(kind: socket.SocketKind) -> int:
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def udp_port() -> int:
-    return free_port_of(socket.SOCK_DGRAM)
-
-
-def tcp_port() -> int:
-    return free_port_of(socket.SOCK_STREAM)
-
-
 def differences(lines: list[Line]) -> list[str]:
     return [f"{node}: {why}" for node, _, why in verdict(lines) if why]
 
@@ -116,7 +103,7 @@ def in_thread(action: Callable[..., object], *arguments: Any) -> threading.Threa
 @pytest.mark.long
 def test_it_passes_the_conformance_test(program: list[str], start: Callable[..., Client]) -> None:
     """By UDP, and by the WebSocket of the editor and desktop builds, at the same time."""
-    osc, web = udp_port(), tcp_port()
+    osc, web = free_port(), free_port()
     by_udp = start(*program, "live", f"osc://127.0.0.1:{osc}?follow=all")
     by_udp.wait_until_ready()
     opened = threading.Event()
@@ -174,7 +161,7 @@ def test_it_prints_the_frames_of_halo_monitor(
     program: list[str], start: Callable[..., Client], tmp_path: Path
 ) -> None:
     """A running service, killed and started again; lost, late, doubled and split datagrams."""
-    ours, monitors = udp_port(), udp_port()
+    ours, monitors = free_port(), free_port()
     relay = Relay([ours, monitors])
     settings = tmp_path / "halo.toml"
     # Ten fingers do not fit a bundle of 768 bytes.
@@ -184,7 +171,7 @@ def test_it_prints_the_frames_of_halo_monitor(
         return subprocess.Popen(
             [
                 HALO, "serve", "--config", settings, "--node", "desk", "--no-zenoh", "--no-web",
-                "--osc", f"127.0.0.1:{relay.port}", "--control-port", str(udp_port()),
+                "--osc", f"127.0.0.1:{relay.port}", "--control-port", str(free_port()),
                 "--source", SOURCE,
             ],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -261,11 +248,11 @@ def test_a_requested_stream_arrives_and_allocates_nothing(
     program: list[str], tmp_path: Path
 ) -> None:
     """From a running sender, requested by a hello; the lease is renewed meanwhile."""
-    control = udp_port()
+    control = free_port()
     settings = tmp_path / "halo.toml"
     settings.write_text(
         f"[control]\nport = {control}\n[osc]\nenabled = false\n[zenoh]\nenabled = false\n"
-        f"[web]\nport = {tcp_port()}\n"
+        f"[web]\nport = {free_port()}\n"
     )
     url = f"osc://?hello=127.0.0.1:{control}"
     command = [HALO, "test-pattern", "--config", settings, "--seconds", "30"]
@@ -298,7 +285,7 @@ FLOOD = 10_000
 @pytest.mark.long
 def test_no_thread_allocates_for_a_datagram(program: list[str]) -> None:
     """The smallest object has 16 bytes; one for each datagram would fill a nursery of 64 kB."""
-    port = udp_port()
+    port = free_port()
     over = threading.Event()
 
     def send() -> None:

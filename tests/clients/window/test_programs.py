@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 from halo_protocol import Frame, encode_frame, event_to_json
+from tests.ports import free_port
 
 BIN = Path(sys.executable).parent
 SOUND = {"halo-drums": ("--silent",), "halo-paint": (), "halo-type": ("--silent",)}
@@ -64,7 +65,7 @@ def read_line(process: subprocess.Popen[str], word: str, seconds: float = 20.0) 
 @pytest.fixture
 def both(run: Run) -> list[tuple[subprocess.Popen[str], int]]:
     """All clients, each with its own port; they start at the same time."""
-    ports = [_free_port() for _ in PROGRAMS]
+    ports = [free_port() for _ in PROGRAMS]
     return [
         (run(program, *options, "--from", f"osc://127.0.0.1:{port}"), port)
         for (program, options), port in zip(PROGRAMS.items(), ports, strict=True)
@@ -106,15 +107,9 @@ def test_a_service_of_another_major_version_gives_one_sentence(
         assert rest == ""
 
 
-def _free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture
 def udp_port() -> int:
-    return _free_port()
+    return free_port()
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from halo_protocol import Frame, encode_frame
+from tests.ports import free_port
 
 CLIENTS = Path(__file__).parents[3] / "clients"
 WITHOUT_DEVICES = {
@@ -27,9 +28,7 @@ def test_the_program_in_the_readme_runs(client: str, wire: Any, tmp_path: Path) 
     text = (CLIENTS / client / "README.md").read_text()
     program = text.partition("```python\n")[2].partition("```")[0]
     assert len([line for line in program.splitlines() if line.strip()]) <= 20
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     path = tmp_path / "program.py"
     for device, substitute in WITHOUT_DEVICES.items():
         program = program.replace(device, substitute.format(port=port))

@@ -22,7 +22,7 @@ def frame(number: int, *pointers: Pointer, downs: tuple[Down, ...] = ()) -> Touc
 
 
 def test_a_pointer_that_stays_is_stuck_and_one_that_taps_is_not() -> None:
-    from benchmarks.soak import Seen
+    from benchmarks.soaking.client import Seen
 
     seen = Seen()
     for n in range(90):  # three seconds of taps
@@ -35,7 +35,7 @@ def test_a_pointer_that_stays_is_stuck_and_one_that_taps_is_not() -> None:
 
 
 def test_a_lost_service_leaves_no_touch_and_a_gap_is_counted() -> None:
-    from benchmarks.soak import Seen
+    from benchmarks.soaking.client import Seen
 
     seen = Seen()
     down = Down(7, 0, 0.5, 0.5, 100.0, 3.0, 1)
@@ -70,3 +70,29 @@ def test_each_fault_of_the_soak_changes_what_the_camera_gives() -> None:
     faults.end("unplugged")
     faults.begin("another device")
     assert FaultyCamera(faults).camera.serial == "OTHER"
+
+
+GOOD = {"memory_mb": (500.0, 505.0), "ended_empty": True}
+
+
+@pytest.mark.parametrize(
+    ("changed", "row", "stuck", "log", "code"),
+    [
+        ({}, (0.1, 0.5), set(), "", 0),
+        ({}, (0.1, 0.5), set(), "Traceback (most\nRuntimeError: the model is broken", 0),
+        ({}, (0.1, 0.5), set(), "Traceback (most\nKeyError: 3", 1),
+        ({}, (0.1, 0.5), {("s1", 7)}, "", 1),
+        ({}, (None, 0.5), set(), "", 1),
+        ({}, (0.1, 1.6), set(), "", 1),
+        ({}, (0.1, None), set(), "", 1),
+        ({"memory_mb": (500.0, 511.0)}, (0.1, 0.5), set(), "", 1),
+        ({"ended_empty": False}, (0.1, 0.5), set(), "", 1),
+    ],
+)
+def test_one_fault_of_the_service_fails_the_soak(changed, row, stuck, log, code) -> None:
+    from benchmarks.soaking.client import Seen
+    from benchmarks.soaking.figures import Figures, Row
+    from benchmarks.soaking.result import result
+
+    rows = [Row("black", 0.1, 0.5), Row("stalls", *row)]
+    assert result(Figures(rows, **{**GOOD, **changed}), Seen(stuck=stuck), log) == code

@@ -14,6 +14,7 @@ import argparse
 import json
 import logging
 import multiprocessing
+import os
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,8 @@ MOST_GROWTH_MB = 16.0
 """16 bytes for each of a million inputs."""
 LONGEST_GAP_S = 3.0
 """Silence after which a client treats the service as lost."""
+ATTACKERS_NICE = 10
+"""A busy machine slows the attackers down, not the service that they attack."""
 SHARES = {"datagrams": 0.6, "messages": 0.3, "requests": 0.1}
 """Of the inputs for the service."""
 ERRORS = ("Traceback", "Error handling", "unexpected", "exception", "destroyed")
@@ -71,7 +74,11 @@ def attack_service(count: int, seed: int, source: str, folder: Path, report: Rep
             f"osc://?hello=127.0.0.1:{service.control_port}&node=good",
             f"{service.url}?node=good",
         )
-        with good_clients(urls, report), multiprocessing.get_context("spawn").Pool(3) as pool:
+        context = multiprocessing.get_context("spawn")
+        with (
+            good_clients(urls, report),
+            context.Pool(3, initializer=os.nice, initargs=(ATTACKERS_NICE,)) as pool,
+        ):
             started_s = time.monotonic()
             ports = (service.control_port, service.web_port, service.web_port)
             senders = (attacks.send_datagrams, attacks.send_messages, attacks.send_requests)

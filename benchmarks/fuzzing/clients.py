@@ -9,7 +9,7 @@ import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
+from threading import Semaphore, Thread
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
@@ -24,6 +24,8 @@ EACH = 10
 """A good frame comes after so many inputs."""
 PER_CONNECTION = 2_000
 """Inputs until the hostile server sends bytes that are no WebSocket, which ends the connection."""
+SHOWN_S = 1.0
+"""Longest wait for a good frame; without it the client has lost one, which is a failure."""
 DECODER = Path(__file__).with_name("decoder.mjs")
 
 
@@ -69,7 +71,7 @@ def python_by_udp(count: int, seed: int) -> Result:
 
 def python_by_websocket(count: int, seed: int) -> Result:
     """Let the Python client connect to a server that sends inputs."""
-    inputs, sent, good = Inputs(seed), 0, 0
+    inputs, sent, good, arrived = Inputs(seed), 0, 0, Semaphore(0)
 
     def attack(connection: ServerConnection) -> None:
         nonlocal sent, good
@@ -80,7 +82,7 @@ def python_by_websocket(count: int, seed: int) -> Result:
                 if n % EACH == 0:
                     good += 1
                     connection.send(good_frame(good))
-                    time.sleep(0.001)  # the client has a queue of 256, not an endless one
+                    arrived.acquire(timeout=SHOWN_S)  # the client's queue of 256 has an end
             connection.socket.sendall(inputs.request())
         except (ConnectionClosed, OSError):
             return
@@ -91,7 +93,10 @@ def python_by_websocket(count: int, seed: int) -> Result:
     Thread(target=server.serve_forever, daemon=True).start()
     with halo_client.connect(f"ws://127.0.0.1:{port}/halo?node=good") as receiver:
         while done_s is None or time.monotonic() < done_s + 1.0:
-            shown += sum(isinstance(event, TouchFrame) for event in receiver.poll(0.1))
+            frames = sum(isinstance(event, TouchFrame) for event in receiver.poll(0.1))
+            shown += frames
+            if frames:
+                arrived.release(frames)
             early_mb = early_mb or (memory_mb() if sent > count // 5 else 0.0)
             if done_s is None and sent >= count:
                 done_s = time.monotonic()

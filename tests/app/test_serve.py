@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 import halo_protocol as wire
+from halo_protocol.osc import padded
 from halo_service.app.service.serve import _monitor
 from halo_service.outputs.settings import ControlSettings, OscSettings
 from halo_service.settings import Settings
@@ -21,6 +23,8 @@ from halo_service.settings import Settings
 Spawn = Callable[..., "subprocess.Popen[str]"]
 SIM = "sim:demo?mode=NFOV_2X2BINNED"
 """A quarter of the pixels: the service is as before, and the camera costs less."""
+HELD = "sim:hand,mode=NFOV_2X2BINNED,drop=0"
+"""A finger that rests where the last message put it."""
 START_S = 30.0
 """Patience with a busy machine; what is fast is said by the benchmarks."""
 
@@ -138,6 +142,12 @@ def test_without_a_camera_hover_touch_and_pressure_reach_oscdump(
     assert "Traceback" not in said
 
 
+def finger(height_mm: float, force_g: float) -> bytes:
+    """A message that puts the index finger of the right hand somewhere above the middle."""
+    values = struct.pack(">iiffff", 2, 1, 150.0, 100.0, height_mm, force_g)
+    return padded("/halo/1/sim/finger") + padded(",iiffff") + values
+
+
 @pytest.mark.slow
 def test_a_service_killed_in_mid_touch_leaves_no_pointer_stuck(
     serve: Spawn, free_port: Callable[[], int]
@@ -145,27 +155,36 @@ def test_a_service_killed_in_mid_touch_leaves_no_pointer_stuck(
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
         client.bind(("127.0.0.1", 0))
         client.settimeout(START_S)
-        options = ("--osc", f"127.0.0.1:{client.getsockname()[1]}", "--no-zenoh", "--source", SIM)
+        options = ["--osc", f"127.0.0.1:{client.getsockname()[1]}", "--no-zenoh", "--source", HELD]
         assembler = wire.Assembler()
-        last: dict[str, wire.TouchFrame] = {}
+        sessions: dict[str, list[wire.TouchFrame]] = {}
 
-        def listen(until: Callable[[wire.TouchFrame], bool]) -> wire.TouchFrame:
-            while True:
+        def touched() -> tuple[subprocess.Popen[str], list[wire.TouchFrame]]:
+            """Start a service, and tap until it reports a touch, which goes on."""
+            control, earlier = free_port(), set(sessions)
+            service = serve(*options, "--control-port", str(control))
+            frames: list[wire.TouchFrame] = []
+            until_s = time.monotonic() + 2.0 * START_S
+            while not any(pointer.touching for frame in frames[-1:] for pointer in frame.pointers):
+                assert time.monotonic() < until_s, frames[-3:]
+                tap = finger(25.0, 0.0) if len(frames) % 60 < 30 else finger(0.0, 100.0)
+                client.sendto(tap, ("127.0.0.1", control))
                 for event in assembler.receive_data(client.recv(65_536), time.monotonic()):
                     if isinstance(event, wire.TouchFrame):
-                        last[event.session] = event
-                        if until(event):
-                            return event
+                        sessions.setdefault(event.session, []).append(event)
+                frames = [each for new in set(sessions) - earlier for each in sessions[new]]
+            return service, frames
 
-        first = serve(*options)
-        touched = listen(lambda frame: any(pointer.touching for pointer in frame.pointers))
+        first, _ = touched()
         first.kill()
         first.wait()
-        serve(*options)
-        again = listen(lambda frame: frame.session != touched.session and bool(frame.pointers))
-        assert again.frame > touched.frame  # a client that only compares counters goes on, too
-        assert last[touched.session].pointers == ()
-        assert any(up.id in {p.id for p in touched.pointers} for up in last[touched.session].ups)
+        (old,) = sessions.values()
+        _, again = touched()
+    before, closing = old[-2:]
+    assert closing.pointers == ()
+    assert [up.id for up in closing.ups] == [each.id for each in before.pointers if each.touching]
+    assert closing.ups
+    assert again[0].frame > closing.frame  # a client that only compares counters goes on, too
 
 
 @pytest.mark.parametrize(

@@ -89,12 +89,11 @@ def test_the_page_watches_only_while_it_asks(
     calls = NodeCalls(ZenohSettings(listen=(endpoint,)))
     read = calls.table()["nodes"].run
 
-    def rows() -> list[Any]:
+    def answers() -> list[Any]:
         left.send(OutgoingReport("table", SCENE))  # again: the first comes before the subscription
-        return list(read({})["rows"])
+        return [read({})]
 
-    until(rows, lambda rows: any(row[2] == "running" for row in rows))
-    answer = read({})
+    (answer,) = until(answers, lambda one: any(row[2] == "running" for row in one[0]["rows"]))
     assert answer["warnings"][0].startswith("! left: it has Zenoh 0.5")
     assert len(answer["head"]) == len(answer["rows"][0])
     watched = calls._thread

@@ -305,7 +305,10 @@ def test_a_recording_is_replayed_in_the_camera_s_place_until_it_is_stopped(
     open_view(page, service, "record")
     page.get_by_role("button", name="Record", exact=True).click()
     page.wait_for_selector("text=● recording")
-    page.wait_for_timeout(2000)
+    open_view(page, service, "live")
+    page.wait_for_selector("text=right index", timeout=60_000)  # the replay shows it, too
+    page.wait_for_timeout(1000)
+    open_view(page, service, "record")
     page.click("text=Stop recording")
     page.wait_for_selector("text=The last recording:")
     page.click("[aria-label^='Replay ']")

@@ -8,6 +8,7 @@ newest wins, and whoever is slow misses some, as with a real device. The other s
 from __future__ import annotations
 
 import atexit
+import math
 import multiprocessing
 import signal
 import threading
@@ -28,8 +29,8 @@ from halo_service.virtual.ring import Ring, ring_bytes
 from halo_service.virtual.sim_url import SimRequest
 
 START_S = 60.0
-"""A worker that has not shown a frame by then has hung. Usual is under 2 s, but several services
-that start at once on two cores need half a minute."""
+"""A worker that has not shown a frame so long after the first read has hung. Usual is under 2 s,
+but several services that start at once on two cores need half a minute."""
 
 
 @contextmanager
@@ -77,24 +78,26 @@ class VirtualKinect:
         atexit.register(self.close)
         self._seen = 0
         self._colour = True
-        self._deadline: float | None = time.monotonic() + START_S
+        self._deadline = math.inf
+        """Of the first frame: nothing is drawn before the first read."""
 
     def read(self, timeout_s: float) -> Frame | BadFrame | None:
         """The newest frame not read yet, waiting for one; None when none came in time.
 
         Raises SourceLost when the worker has died or does not start.
         """
+        if self._seen == 0:
+            self._deadline = min(self._deadline, time.monotonic() + START_S)
         frame = self._ring.newest(after=self._seen)
         if frame is None:
             self._ask(timeout_s)
             frame = self._ring.newest(after=self._seen)
         if frame is None:
-            if self._deadline is not None and time.monotonic() > self._deadline:
+            if self._seen == 0 and time.monotonic() > self._deadline:
                 raise SourceLost(
                     "The virtual camera does not start; try again on a less busy machine."
                 )
             return None
-        self._deadline = None
         self._seen, picture = frame
         return picture
 

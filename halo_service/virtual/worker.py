@@ -15,7 +15,7 @@ from contextlib import nullcontext
 from multiprocessing.connection import Connection
 from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 # One thread each: the service needs the other core.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -110,7 +110,9 @@ class _Camera:
         """The newest frame that the reader has, while it waits for a newer one."""
 
     def run(self) -> None:
-        """Until the pipe breaks."""
+        """Until the pipe breaks; nothing is drawn before somebody wants a frame."""
+        while self._asked is None:
+            self._obey(*self._pipe.recv())
         index = -1
         while True:
             elapsed_s = (CLOCK.unix_us() - self._start_us) / 1e6
@@ -150,12 +152,15 @@ class _Camera:
                 self._asked = None
             if not self._pipe.poll(max(0.0, due_s - CLOCK.unix_us() / 1e6)):
                 return
-            kind, value = self._pipe.recv()
-            if kind == "next":
-                self._asked = value
-            elif kind == "show":
-                self._sensor.show(value)
-            elif kind == "colour":
-                self._sensor.with_colour(value)
-            else:
-                self._scenario.send(value)
+            self._obey(*self._pipe.recv())
+
+    def _obey(self, kind: str, value: Any) -> None:
+        """Do what the reader asks for."""
+        if kind == "next":
+            self._asked = value
+        elif kind == "show":
+            self._sensor.show(value)
+        elif kind == "colour":
+            self._sensor.with_colour(value)
+        else:
+            self._scenario.send(value)

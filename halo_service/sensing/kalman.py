@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 Place = tuple[float, float]
 
-JERKINESS_MM2_S3 = 2.0e6
+JERKINESS_MM2_S3 = 1.5e6
 """Spectral density of the acceleration, white (chosen: in a frame a finger's velocity changes by
-0.26 m/s, one standard deviation: with less, drumming hands were lost)."""
+0.22 m/s, one standard deviation: with 0.18, drumming hands were lost; with 0.26, typed keys)."""
 START_MM_S = 300.0
 """Standard deviation of a new finger's velocity (chosen: people move at 0.3 m/s)."""
 LONGEST_S = 0.07

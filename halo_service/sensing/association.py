@@ -19,12 +19,13 @@ from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import unit
 from halo_service.sensing.kalman import Place, born, distance
 from halo_service.sensing.label_pixels import FINGER_MM
+from halo_service.sensing.registration import HeightMap, path_px
 from halo_service.sensing.tracks import (
     BESIDE_MM,
-    CLAIM_US,
     LANDMARK_MM,
     Phase,
     Track,
+    carried_on,
     detected,
 )
 from halo_service.values import Side
@@ -51,13 +52,19 @@ REPLACED_US = 200_000
 
 
 def associate(
-    tracks: tuple[Track, ...], detections: tuple[Detection, ...], next_id: int
+    tracks: tuple[Track, ...],
+    detections: tuple[Detection, ...],
+    next_id: int,
+    maps: Sequence[HeightMap] = (),
 ) -> tuple[Track, ...]:
-    """Assign new detections to tracks, and start tentative tracks for the rest."""
+    """Assign new detections to tracks, and start tentative tracks for the rest.
+
+    `maps`: of the last frames, oldest first; they show how far a hand went since its detection.
+    """
     paired = _pairs(tracks, detections)
     others = [each for j, each in enumerate(detections) if j not in paired.values()]
     kept = tuple(
-        _detected(finger, detections[paired[i]]) if i in paired else finger
+        _detected(finger, detections[paired[i]], maps) if i in paired else finger
         for i, finger in enumerate(tracks)
         if not (_is_replaced(finger, detections, others, i in paired) or _is_double(finger, tracks))
     )
@@ -69,7 +76,7 @@ def associate(
     taken = {finger.slot for finger in kept}
     slots = (slot for slot in range(SLOTS) if slot not in taken)
     started = zip(count(next_id), slots, new, strict=False)
-    return kept + tuple(_started(*each) for each in started)
+    return kept + tuple(_started(*each, maps) for each in started)
 
 
 def _pairs(tracks: Sequence[Track], detections: Sequence[Detection]) -> dict[int, int]:
@@ -104,28 +111,46 @@ def _cost(finger: Track, detection: Detection) -> float:
     return away**2 + spread + (0.0 if same else OTHER_SIDE_COST)
 
 
-def _started(id: int, slot: int, detection: Detection) -> Track:  # noqa: A002 - the wire's name
+def _started(
+    id: int,  # noqa: A002 - the wire's name
+    slot: int,
+    detection: Detection,
+    maps: Sequence[HeightMap],
+) -> Track:
     direction = unit(detection.distal_px, detection.tip_px)
     state = born(detection.time_us, detection.place_mm, LANDMARK_MM)
-    votes = _vote(detection.side)
+    way_px = path_px(maps, detection.tip_px, detection.time_us)
+    now_us = maps[-1].time_us if maps else detection.time_us
+    state = carried_on(state, way_px, now_us, detection.on_surface)
     return Track(
-        id, slot, detection, direction, detection.px_per_mm, votes, (state,), detection.time_us
+        id,
+        slot,
+        detection,
+        direction,
+        detection.px_per_mm,
+        _vote(detection.side),
+        (state,),
+        detection.time_us,
+        went_px=way_px or (0.0, 0.0),
     )
 
 
-def _detected(finger: Track, detection: Detection) -> Track:
+def _detected(finger: Track, detection: Detection, maps: Sequence[HeightMap]) -> Track:
     """Return a track with a new detection; one that was seen before counts once."""
     if detection.time_us <= finger.detection.time_us:
         return finger
     votes = min(max(finger.votes + _vote(detection.side), -MOST_VOTES), MOST_VOTES)
+    way_px = path_px(maps, detection.tip_px, detection.time_us)
     off_mm = math.dist(finger.at(detection.time_us).place_mm, detection.place_mm)
     off_place = finger.off_place + 1 if off_mm > BESIDE_MM else 0
     seen = replace(
         finger,
         detection=detection,
         votes=votes,
-        hand_mm_s=_hand_mm_s(finger.detection, detection),
-        history=detected(finger, detection.place_mm, detection.time_us),
+        went_px=way_px or (0.0, 0.0),
+        history=detected(
+            finger, detection.place_mm, detection.time_us, way_px, detection.on_surface
+        ),
         off_mm=off_mm,
         off_place=off_place,
     )
@@ -134,15 +159,6 @@ def _detected(finger: Track, detection: Detection) -> Track:
     (x, y), (new_x, new_y) = finger.direction, unit(detection.distal_px, detection.tip_px)
     turned = x + TURN_SHARE * (new_x - x), y + TURN_SHARE * (new_y - y)
     return replace(seen, direction=unit((0.0, 0.0), turned))
-
-
-def _hand_mm_s(before: Detection, now: Detection) -> Place:
-    """Return the velocity of a hand: the median of its landmarks'; 0 after a gap."""
-    s = (now.time_us - before.time_us) / 1e6
-    if now.time_us - before.time_us > CLAIM_US:
-        return 0.0, 0.0
-    x, y = (np.median(now.hand_px - before.hand_px, axis=0) / (s * now.on_surface)).tolist()
-    return x, y
 
 
 def _vote(side: Side) -> int:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 Place = tuple[float, float]
 
-JERKINESS_MM2_S3 = 1.5e6
+JERKINESS_MM2_S3 = 3.0e6
 """Spectral density of the acceleration, white (chosen: in a frame a finger's velocity changes by
-0.22 m/s, one standard deviation: with 0.18, drumming hands were lost; with 0.26, typed keys)."""
+0.32 m/s, one standard deviation)."""
 START_MM_S = 300.0
 """Standard deviation of a new finger's velocity (chosen: people move at 0.3 m/s)."""
 LONGEST_S = 0.07
@@ -52,6 +52,27 @@ def predicted(state: Kalman, time_us: int) -> Kalman:
         p + 2.0 * s * c + s * s * v + q * s**3 / 3.0,
         c + s * v + q * s * s / 2.0,
         v + q * s,
+    )
+
+
+def carried(state: Kalman, time_us: int, shift_mm: Place, sigma_mm: float) -> Kalman:
+    """Return the state at a later time; its way since then was measured, with a deviation."""
+    ahead = predicted(state, time_us)
+    s = max(time_us - state.time_us, 0) / 1e6
+    c, v, q = state.both_mm2_s, state.velocity_mm2_s2, JERKINESS_MM2_S3
+    (x, y), (vx, vy) = state.place_mm, state.velocity_mm_s
+    way_mm2 = s * s * v + q * s**3 / 3.0
+    with_place, with_velocity = s * c + way_mm2, s * v + q * s * s / 2.0
+    total = way_mm2 + sigma_mm**2
+    gain, gain_per_s = with_place / total, with_velocity / total
+    off_x, off_y = shift_mm[0] - s * vx, shift_mm[1] - s * vy
+    return Kalman(
+        ahead.time_us,
+        (x + s * vx + gain * off_x, y + s * vy + gain * off_y),
+        (vx + gain_per_s * off_x, vy + gain_per_s * off_y),
+        ahead.place_mm2 - gain * with_place,
+        ahead.both_mm2_s - gain * with_velocity,
+        ahead.velocity_mm2_s2 - gain_per_s * with_velocity,
     )
 
 

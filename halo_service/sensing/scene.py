@@ -22,7 +22,7 @@ from halo_service.sensing.label_pixels import (
 )
 from halo_service.sensing.neighbours import without_others
 from halo_service.sensing.ridge import height_behind
-from halo_service.sensing.scale import Scale, on_surface
+from halo_service.sensing.scale import Scale
 from halo_service.sensing.segmentation import Segmentation, infrared_silhouette, segment
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import (
@@ -34,7 +34,6 @@ from halo_service.sensing.tracks import (
     is_there,
     last_top_mm,
     predict,
-    went_px,
 )
 from halo_service.values import Fingertip, Frame
 
@@ -85,7 +84,7 @@ def look(
     profile = scale.profile
     now_us, size = frame.time_us, scale.on_surface
     places = tuple(_scaled(predict(finger, now_us, size), scale) for finger in fingers)
-    claimed = (claim(finger, now_us, size) for finger in fingers)
+    claimed = (claim(finger, now_us) for finger in fingers)
     claims = tuple(each and _scaled(each, scale) for each in claimed)
     part = around((*places, *(each for each in claims if each)), frame.depth.shape)
     excess_mm = excess_depth(frame.depth, profile.background, drift_mm, part)
@@ -124,8 +123,7 @@ def _own(finger: Track, number: int, place: Prediction, scene: Scene) -> Segment
     now_us = scene.frame.time_us
     if now_us - finger.detection.time_us > CLAIM_US:
         return pixels  # the bones are too old to label pixels
-    went = went_px(finger, now_us, on_surface(scene.profile))
-    return without_others(pixels, finger.detection, went, place.place)
+    return without_others(pixels, finger.detection, finger.went_px, place.place)
 
 
 def _scaled(prediction: Prediction, scale: Scale) -> Prediction:

@@ -21,12 +21,14 @@ from halo_service.sensing.detector import detect
 from halo_service.sensing.nail import pad_under_nail
 from halo_service.sensing.pointers import came_over_edge, describe, edge, follow, within_reach
 from halo_service.sensing.readings import readings
+from halo_service.sensing.registration import REMEMBERED, HeightMap, height_map
 from halo_service.sensing.scale import Scale, on_surface
 from halo_service.sensing.scene import Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import (
     Track,
+    carry,
     changes,
     coast,
     is_abandoned,
@@ -48,6 +50,8 @@ class State:
     settings: SensingSettings
     fingers: tuple[Track, ...] = ()
     next_id: int = 1
+    maps: tuple[HeightMap, ...] = ()
+    """Of the last frames, oldest first."""
     drift: Drift = Drift()  # noqa: RUF009 - frozen, so one default serves all
 
 
@@ -64,8 +68,12 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
         return clear(state, frame.time_us)
     scale = Scale(frame.depth, profile)
     seen = detections(tracked, scale, settings.fingers)
-    tracks = associate(state.fingers, seen, state.next_id)
-    scene = look(frame, tracks, scale, settings, state.drift.offset_mm)
+    drift_mm, size = state.drift.offset_mm, scale.on_surface
+    newest = height_map(frame.time_us, frame.depth, profile.background, drift_mm, size)
+    maps = (*state.maps, newest)[-REMEMBERED:]
+    carried = tuple(carry(finger, maps, size) for finger in state.fingers)
+    tracks = associate(carried, seen, state.next_id, maps)
+    scene = look(frame, tracks, scale, settings, drift_mm)
     fingers: list[Track] = []
     events: list[TouchEvent] = []
     for number, before in enumerate(tracks):
@@ -76,7 +84,7 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     next_id = max([state.next_id, *(finger.id + 1 for finger in fingers)])
     touch_frame = _frame(state, frame.time_us, fingers, events)
     drift = follow_drift(state.drift, frame.depth, profile.background, frame.time_us)
-    return touch_frame, replace(state, fingers=tuple(fingers), next_id=next_id, drift=drift)
+    return touch_frame, State(profile, settings, tuple(fingers), next_id, maps, drift)
 
 
 def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:

@@ -8,6 +8,7 @@ sees one twice, or confuses left and right; a finger must keep its place, id and
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
@@ -15,9 +16,18 @@ from halo_service.sensing.debounce import Debounce
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.detector import Detector
 from halo_service.sensing.finger_frame import FingerFrame, Pixel, unit
-from halo_service.sensing.kalman import Kalman, Place, born, corrected, predicted
+from halo_service.sensing.kalman import (
+    LONGEST_S,
+    Kalman,
+    Place,
+    born,
+    carried,
+    corrected,
+    predicted,
+)
 from halo_service.sensing.label_pixels import Prediction
 from halo_service.sensing.pointers import Motion
+from halo_service.sensing.registration import HeightMap, shift_px
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
@@ -28,8 +38,9 @@ another finger hides them."""
 LOWER_MM = 8.0
 """Of two possible places the fingertip is lower than a knuckle by this (chosen: half a finger's
 thickness)."""
-HAND_MM, HAND_MM_S2 = 4.0, 10_000.0
-"""Accuracy of a hand's predicted place, and how fast hands accelerate (chosen: g)."""
+SHIFT_MM = 2.0
+"""Standard deviation of a fingertip's way from frame to frame, by its hand's (measured on the
+virtual camera: 0.6 mm at the median, 3 in one frame of a hundred)."""
 REMEMBERED = 8
 """Past states per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
@@ -83,8 +94,8 @@ class Track:
     shown_us: int
     """When the depth image last showed it."""
     phase: Phase = Phase.TENTATIVE
-    hand_mm_s: Place = (0.0, 0.0)
-    """Velocity of its hand between the last two detections."""
+    went_px: Pixel = (0.0, 0.0)
+    """How far its hand went since its last detection."""
     sigma_mm: float = 0.0
     """Standard deviation of its last measured place."""
     off_mm: float = 0.0
@@ -117,6 +128,28 @@ class Track:
         return min(self.history, key=lambda past: abs(past.time_us - time_us))
 
 
+def carry(finger: Track, maps: Sequence[HeightMap], px_per_mm: float) -> Track:
+    """Return a track in the frame of the last map; `px_per_mm`: on the surface."""
+    last, now_us = finger.history[-1], maps[-1].time_us
+    if now_us - finger.shown_us > 1e6 * LONGEST_S:
+        last = replace(last, velocity_mm_s=(0.0, 0.0))
+    at_px = _pixel(last.place_mm, px_per_mm)
+    x, y = _pixel(predicted(last, now_us).place_mm, px_per_mm)
+    expected = x - at_px[0], y - at_px[1]
+    shift = shift_px(maps[-2], maps[-1], at_px, expected) if len(maps) > 1 else None
+    state = carried_on(last, shift, now_us, px_per_mm)
+    (x, y), (dx, dy) = finger.went_px, shift or expected
+    went_px = x + dx, y + dy
+    return replace(finger, history=(*finger.history, state)[-REMEMBERED:], went_px=went_px)
+
+
+def carried_on(state: Kalman, way_px: Pixel | None, time_us: int, px_per_mm: float) -> Kalman:
+    """Return a state after the way that its hand went since; None: unknown."""
+    if way_px is None:
+        return predicted(state, time_us)
+    return carried(state, time_us, (way_px[0] / px_per_mm, way_px[1] / px_per_mm), SHIFT_MM)
+
+
 def predict(finger: Track, time_us: int, px_per_mm: float) -> Prediction:
     """Return a finger's predicted place; `px_per_mm`: on the surface."""
     tip = _pixel(finger.at(time_us).place_mm, px_per_mm)
@@ -128,34 +161,14 @@ def last_top_mm(finger: Track) -> float:
     return finger.pointer.diagnostics.top_mm if finger.pointer else math.nan
 
 
-def claim(finger: Track, time_us: int, px_per_mm: float) -> Prediction | None:
-    """Return the detected place of a finger, moved on as the finger itself since.
-
-    None without a recent detection; `px_per_mm`: on the surface.
-    """
+def claim(finger: Track, time_us: int) -> Prediction | None:
+    """Return the detected place of a finger, moved on as its hand; None if it is too old."""
     seen = finger.detection
     if finger.phase is Phase.TENTATIVE or time_us - seen.time_us > CLAIM_US:
         return None
-    dx, dy = went_px(finger, time_us, px_per_mm)
-    tip = seen.tip_px[0] + dx, seen.tip_px[1] + dy
-    return Prediction(FingerFrame(tip, unit(seen.distal_px, seen.tip_px), seen.px_per_mm), math.nan)
-
-
-def went_px(finger: Track, time_us: int, px_per_mm: float) -> Pixel:
-    """Return how far a finger went since its last detection; `px_per_mm`: on the surface.
-
-    By its own measured places, but not farther from its hand than a hand can accelerate: a tip
-    that was measured on another finger must not take the bones with it.
-    """
-    (x, y), (was_x, was_y) = (
-        finger.at(each).place_mm for each in (time_us, finger.detection.time_us)
-    )
-    s = max(time_us - finger.detection.time_us, 0) / 1e6
-    hand_x, hand_y = (each * s for each in finger.hand_mm_s)
-    off_x, off_y = x - was_x - hand_x, y - was_y - hand_y
-    limit_mm = HAND_MM + 0.5 * HAND_MM_S2 * s * s
-    share = min(limit_mm / max(math.hypot(off_x, off_y), 1e-9), 1.0)
-    return _pixel((hand_x + share * off_x, hand_y + share * off_y), px_per_mm)
+    (x, y), (dx, dy) = seen.tip_px, finger.went_px
+    place = FingerFrame((x + dx, y + dy), unit(seen.distal_px, seen.tip_px), seen.px_per_mm)
+    return Prediction(place, math.nan)
 
 
 def is_there(claimed: Prediction, seen: Fingertip) -> bool:
@@ -189,19 +202,22 @@ def detection_at(finger: Track, place: FingerFrame) -> Detection:
     )
 
 
-def detected(finger: Track, place_mm: Place, time_us: int) -> tuple[Kalman, ...]:
+def detected(
+    finger: Track, place_mm: Place, time_us: int, way_px: Pixel | None, px_per_mm: float
+) -> tuple[Kalman, ...]:
     """Return the history of a track after a late detection, at the detection's own time.
 
-    It corrects what no frame shows well; a measured tip is mostly ten times as exact. Worse
-    measurements since then are dropped.
+    It corrects what no frame shows well; a measured tip is mostly ten times as exact. `way_px`: of
+    its hand since then, which replaces worse measurements.
     """
     if finger.phase is not Phase.COASTING and finger.sigma_mm <= LANDMARK_MM:
         return finger.history
     before = tuple(past for past in finger.history if past.time_us <= time_us)
     if not before:
         return finger.history
+    now_us = finger.history[-1].time_us
     state = corrected(predicted(before[-1], time_us), place_mm, LANDMARK_MM)
-    return (*before, state)[-REMEMBERED:]
+    return (*before, state, carried_on(state, way_px, now_us, px_per_mm))[-REMEMBERED:]
 
 
 def measured(
@@ -222,7 +238,8 @@ def measured(
     if hidden:
         sigma_mm = HIDDEN_TIP_MM
     if followed and finger.phase is not Phase.TENTATIVE:
-        before, state = finger.history, corrected(finger.at(time_us), place_mm, sigma_mm)
+        before = tuple(past for past in finger.history if past.time_us < time_us)
+        state = corrected(finger.at(time_us), place_mm, sigma_mm)
     else:
         before, state = (), born(time_us, place_mm, sigma_mm)
     moved = finger.moved

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from halo_service.sensing.kalman import Kalman, born, corrected, distance, predicted
+from halo_service.sensing.kalman import Kalman, born, carried, corrected, distance, predicted
 
 FRAME_US = 33_333
 
@@ -59,3 +59,24 @@ def test_the_distance_is_in_standard_deviations() -> None:
     places = random.normal(0.0, 5.0, (4000, 2))  # 3 of the measurement and 4 of the state
     away = [distance(state, (float(x), float(y)), 3.0) for x, y in places]
     assert np.mean(np.square(away)) == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_measured_way_moves_a_resting_finger_at_once() -> None:
+    state = carried(moving(0.0), 10 * FRAME_US, (24.0, 0.0), 1.0)
+    assert state.place_mm == pytest.approx((24.0, 0.0), abs=2.0)
+    assert state.velocity_mm_s[0] > 600.0
+    assert math.sqrt(state.place_mm2) < 2.0
+
+
+def test_a_measured_way_keeps_what_was_uncertain_before_it() -> None:
+    """It says how far a finger went, not where it is."""
+    state = carried(born(0, (0.0, 0.0), 8.0), FRAME_US, (24.0, 0.0), 1.0)
+    assert math.sqrt(state.place_mm2) == pytest.approx(8.0, abs=0.2)
+
+
+def test_a_vague_way_changes_no_prediction() -> None:
+    ahead = predicted(moving(900.0), 10 * FRAME_US)
+    state = carried(moving(900.0), 10 * FRAME_US, (-50.0, 50.0), 1e6)
+    assert state.place_mm == pytest.approx(ahead.place_mm, abs=1e-3)
+    assert state.place_mm2 == pytest.approx(ahead.place_mm2)
+    assert state.velocity_mm2_s2 == pytest.approx(ahead.velocity_mm2_s2)

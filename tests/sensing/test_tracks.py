@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from halo_service.profile import Background
 from halo_service.sensing.association import associate
 from halo_service.sensing.detections import Detection
+from halo_service.sensing.registration import HeightMap, height_map
 from halo_service.sensing.tracks import (
     Phase,
     Track,
+    carry,
     claim,
     is_there,
     measured,
     predict,
-    went_px,
 )
 from halo_service.values import Finger, Fingertip, Side
 
@@ -129,7 +131,7 @@ def test_a_detection_far_off_its_place_contradicts_a_finger(off_px: float, stray
 @pytest.mark.parametrize(("age", "claimed"), [(0, True), (4, True), (6, False)])
 def test_an_old_detection_gives_no_place(age: int, claimed: bool) -> None:
     finger = live(100)[0]
-    assert (claim(finger, (10 + age) * FRAME_US, 1.0) is not None) is claimed
+    assert (claim(finger, (10 + age) * FRAME_US) is not None) is claimed
 
 
 @pytest.mark.parametrize(
@@ -146,15 +148,11 @@ def test_an_old_detection_gives_no_place(age: int, claimed: bool) -> None:
 def test_a_tip_far_from_the_detection_is_another_finger(
     speed_px: float, late: int, off_px: float, there: bool
 ) -> None:
-    finger = live(100)[0]
-    xs = {n: 100.0 + speed_px * max(n - 8, 0) for n in range(12)}
-    finger = replace(finger, history=finger.history[:-3])
-    for n in range(8, 12):
-        finger = measure(finger, n, xs[n])
-    finger = replace(finger, detection=detection(xs[12 - late], 12 - late))
-    claimed = claim(finger, 12 * FRAME_US, 1.0)
+    at = detection(100.0, 12 - late)
+    finger = replace(live(100)[0], detection=at, went_px=(speed_px * late, 0.0))
+    claimed = claim(finger, 12 * FRAME_US)
     assert claimed is not None
-    assert is_there(claimed, tip(xs[12 - late] + off_px)) is there
+    assert is_there(claimed, tip(100.0 + off_px)) is there
 
 
 def test_two_pointers_on_one_finger_become_one() -> None:
@@ -180,43 +178,58 @@ def test_a_track_on_a_hand_with_that_finger_elsewhere_ends() -> None:
     assert [each.id for each in associate((wrong, right), (far,), 9)] == [1, 2]
 
 
-def moving(mm_a_frame: float) -> tuple[Track, ...]:
-    """One finger of a hand that moves to the right, up to frame 4."""
-    marks = np.full((21, 2), 400.0)
-    seen = [
-        replace(
-            detection(100.0 + mm_a_frame * n, n), hand_px=marks + np.array([mm_a_frame * n, 0.0])
-        )
-        for n in range(5)
-    ]
-    fingers = associate((), (seen[0],), 1)
-    for n in range(1, 5):
-        fingers = (measure(fingers[0], n, 100.0 + mm_a_frame * n),)
-        fingers = associate(fingers, (seen[n],), 9)
-    return fingers
+def maps(*xs: float) -> tuple[HeightMap, ...]:
+    """A hand with one finger, its tip at x in each frame: from frame 4 on."""
+    seen = []
+    for n, x in enumerate(xs, 4):
+        depth = np.full((480, 640), 500.0, np.float32)
+        depth[300:420, round(x) - 8 : round(x) + 9] = 485.0
+        seen.append(height_map(n * FRAME_US, depth, background(depth.shape), 0.0, 1.0))
+    return tuple(seen)
 
 
-@pytest.mark.parametrize("mm_a_frame", [0.0, 6.0])
-def test_the_bones_move_with_the_finger(mm_a_frame: float) -> None:
-    finger = measure(moving(mm_a_frame)[0], 5, 100.0 + 5.0 * mm_a_frame)
-    assert went_px(finger, 5 * FRAME_US, 1.0)[0] == pytest.approx(mm_a_frame, abs=1.0)
+def background(shape: tuple[int, ...]) -> Background:
+    return Background(
+        np.full(shape, 500.0, np.float32), np.ones(shape, np.float32), np.ones(shape, np.bool_)
+    )
+
+
+def test_a_track_and_its_bones_move_with_the_hand_at_once() -> None:
+    """A resting hand that is fast one frame later: no prediction from its past knows that."""
+    (finger,) = live(100)
+    finger = replace(
+        finger, history=tuple(replace(p, time_us=4 * FRAME_US) for p in finger.history)
+    )
+    moved = carry(finger, maps(100.0, 124.0), 1.0)
+    assert moved.history[-1].place_mm == pytest.approx((124.0, 300.0), abs=1.5)
+    assert moved.went_px == pytest.approx((24.0, 0.0), abs=1.0)
 
 
 def test_a_tip_that_jumps_to_another_finger_does_not_take_the_bones_along() -> None:
-    finger = measure(moving(0.0)[0], 5, 130.0)
-    x, y = went_px(finger, 5 * FRAME_US, 1.0)
-    assert 0.0 < x < 12.0
-    assert y == pytest.approx(0.0, abs=1e-6)
+    (finger,) = live(100)
+    finger = replace(
+        finger, history=tuple(replace(p, time_us=4 * FRAME_US) for p in finger.history)
+    )
+    jumped = measure(carry(finger, maps(100.0, 100.0), 1.0), 5, 130.0)
+    assert jumped.went_px == pytest.approx((0.0, 0.0), abs=1.0)
+
+
+def test_a_late_detection_counts_where_its_hand_is_now() -> None:
+    seen = maps(100.0, 112.0, 124.0)
+    (finger,) = associate((), (detection(100.0, 4),), 1, seen)
+    assert finger.history[-1].place_mm == pytest.approx((124.0, 300.0), abs=3.0)
+    assert finger.history[-1].time_us == 6 * FRAME_US
+    assert finger.went_px == pytest.approx((24.0, 0.0), abs=1.0)
 
 
 def test_a_hidden_tip_is_measured_worse_than_its_landmarks() -> None:
     shown, hidden = (
-        measured(moving(0.0)[0], 5 * FRAME_US, tip(115.0), True, 1.0, hidden)
+        measured(live(100)[0], 11 * FRAME_US, tip(115.0), True, 1.0, hidden)
         for hidden in (False, True)
     )
     assert shown.history[-1].place_mm[0] > 112.0
     assert hidden.history[-1].place_mm[0] < 106.0
-    (seen,) = associate((hidden,), (detection(100.0, 5),), 9)
+    (seen,) = associate((hidden,), (detection(100.0, 11),), 9)
     assert seen.history[-1].place_mm[0] < hidden.history[-1].place_mm[0]
-    (unmoved,) = associate((shown,), (detection(100.0, 5),), 9)
+    (unmoved,) = associate((shown,), (detection(100.0, 11),), 9)
     assert unmoved.history[-1] == shown.history[-1]

@@ -23,8 +23,10 @@ from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Fingertip
 
 DEEPEST_MM2 = (100.0, 250.0)
-"""The areas of the deepest surface that are averaged: the rim of a fingertip, and most of a halo
-that a finger leaves free (chosen)."""
+"""The areas of the deepest surface that are averaged where all of it is visible: the rim of a
+fingertip, and most of a halo that a finger leaves free (chosen)."""
+FINGER_MM = (12.0, 11.0)
+"""The finger itself hides the surface up to so far to its sides, and so far beyond the pad."""
 AROUND_MM, BACK_MM = 25.0, 12.0
 """How far from the pad a halo reaches, and how far back along the finger (chosen)."""
 PATCH_MM = (15.0, -3.0, 17.0)
@@ -87,9 +89,13 @@ def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tu
         return total, math.nan, math.nan, math.nan
     excess_mm, along, across, seen, noise_mm = near
     half, back, ahead = PATCH_MM
+    reached = (along**2 + across**2 < AROUND_MM**2) & (along > -BACK_MM)
+    beside = reached & ((np.abs(across) > FINGER_MM[0]) | (along > FINGER_MM[1]))
+    visible = np.count_nonzero(seen & beside) / max(np.count_nonzero(beside), 1)
     patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
-    around = excess_mm[seen & (along**2 + across**2 < AROUND_MM**2) & (along > -BACK_MM)]
-    px_per_mm2 = on_surface(profile) ** 2
+    around = excess_mm[seen & reached]
+    # Where other fingers hide half of a halo, half of its deep parts are visible.
+    px_per_mm2 = visible * on_surface(profile) ** 2
     typical_mm = float(np.median(noise_mm))
     first, second = (_deepest(around, round(area * px_per_mm2), typical_mm) for area in DEEPEST_MM2)
     return total, first, second, float(patch.mean()) if patch.size >= LEAST_PX else math.nan

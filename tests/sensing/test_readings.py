@@ -85,6 +85,16 @@ def test_a_finger_found_a_little_off_reads_as_deep(
     assert read[1:3] == pytest.approx(true[1:3], rel=0.06)
 
 
+@pytest.mark.parametrize("shape", [HALOS["bell"], HALOS["drawn out"], HALOS["flat"]])
+def test_a_halo_that_another_finger_half_hides_reads_as_deep(
+    profile: Profile, shape: Callable[..., NDArray[np.float64]]
+) -> None:
+    scene = segmentation(excess(DEPTH_MM, shape))
+    half = replace(scene, free=scene.free & (PAD_PX[0] > COLUMNS))
+    whole, read = (readings(each, found(), profile) for each in (scene, half))
+    assert read[1:3] == pytest.approx(whole[1:3], rel=0.1)
+
+
 def test_skin_that_reads_as_the_empty_surface_does_is_left_out(profile: Profile) -> None:
     seen = excess(40.0)
     true = readings(segmentation(seen), found(), profile)

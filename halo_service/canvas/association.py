@@ -32,6 +32,9 @@ OTHER_FINGER_MM = 12.0
 HOVER_MM, HOVER_MOST = 10.0, 4.0
 """Standard deviation of the difference of two nodes' heights, and the limit of its cost: a node
 that has just found a finger may be wrong by any height."""
+FOUND_MM, FOUND_COST = 250.0, 12.0
+"""Greatest distance at which a finger that no node sees well is found again by its name, and the
+cost: a hand at 2 m/s moves so far in four frames, and a finger within the gate costs less."""
 IMPOSSIBLE = 1e6
 APART_US = 200_000
 """Time after which a report outside of the gate is of another finger."""
@@ -50,27 +53,44 @@ def assign(tracks: Sequence[Track], pointers: Sequence[Detection], time_us: int)
 
 def is_apart(track: Track, seen: Detection) -> bool:
     """Whether one node's report is far from the merged place."""
-    away_mm = math.dist(track.place_mm(seen.time_us), seen.place_mm)
+    away_mm = math.dist(track.blend.estimate_mm(seen.time_us), seen.place_mm)
     return away_mm > GATE_MM or away_mm > 2.0 * GATE * _deviation(track, seen)
 
 
 def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Track]]:
     """Yield pairs of tracks that seem to be one finger, the older one first."""
-    seen = [(each, each.place_mm(time_us)) for each in tracks if each.members]
-    for (a, place), (b, other) in combinations(seen, 2):
-        away_mm = math.dist(place, other)
-        two = any(a.is_reliable_on(each) and b.is_reliable_on(each) for each in a.nodes & b.nodes)
-        if away_mm > GATE_MM or two or a.finger != b.finger:
-            continue
-        late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))
-        both_mm = math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM, late_mm)
-        if away_mm < ONE_GATE * both_mm:
-            yield (a, b) if a.id < b.id else (b, a)
+    seen = sorted((each for each in tracks if each.members), key=lambda each: each.id)
+    for older, younger in combinations(seen, 2):
+        away_mm = _distance_mm(older, younger, time_us)
+        again = away_mm < FOUND_MM and _finds_again(older, younger.blend.best())
+        if again or (away_mm <= GATE_MM and _is_one(older, younger, away_mm, time_us)):
+            yield older, younger
+
+
+def _distance_mm(a: Track, b: Track, time_us: int) -> float:
+    """Return the distance of two tracks, predicted or as reported: a finger may have stopped."""
+    ab = a.blend, b.blend
+    return min(math.dist(*(each.estimate_mm(at_us) for each in ab)) for at_us in (time_us, 0))
+
+
+def _is_one(a: Track, b: Track, away_mm: float, time_us: int) -> bool:
+    """Whether two tracks of different nodes are one finger by their distance."""
+    two = any(a.is_reliable_on(each) and b.is_reliable_on(each) for each in a.nodes & b.nodes)
+    if two or a.finger != b.finger:
+        return False
+    late_mm = CLOCK_S * math.hypot(*velocity(a.blend, time_us))
+    both_mm = math.hypot(a.blend.deviation_mm, b.blend.deviation_mm, LAYOUT_MM, late_mm)
+    return away_mm < ONE_GATE * both_mm
 
 
 def _cost(track: Track, seen: Detection, time_us: int) -> float:
     """Return twice the negative logarithm of how likely a pointer is a track's."""
-    away_mm = math.dist(track.place_mm(time_us), seen.place_mm)
+    on_surface = [each for each in track.members.values() if each.member[0] == seen.member[0]]
+    if any(seen.is_weaker(each) for each in on_surface):
+        return IMPOSSIBLE
+    away_mm = math.dist(track.blend.estimate_mm(time_us), seen.place_mm)
+    if away_mm < FOUND_MM and _finds_again(track, seen):
+        return FOUND_COST + away_mm / FOUND_MM
     away = away_mm / _deviation(track, seen)
     if away > GATE or away_mm > GATE_MM:
         return IMPOSSIBLE
@@ -82,6 +102,14 @@ def _cost(track: Track, seen: Detection, time_us: int) -> float:
     sides = {best.hand, seen.pointer.hand} - {0}
     cost = away**2 + min(height**2, HOVER_MOST) + finger + (OTHER_SIDE if len(sides) > 1 else 0.0)
     return cost if cost < 2.0 * GATE**2 else IMPOSSIBLE
+
+
+def _finds_again(track: Track, seen: Detection) -> bool:
+    """Whether a node sees a finger well that all others have lost: it has the same name."""
+    if seen.weak or not seen.pointer.hand or not all(e.weak for e in track.members.values()):
+        return False
+    names = {each.name for each in track.members.values()}
+    return seen.name in {*names, (track.side, track.finger)}
 
 
 def _deviation(track: Track, seen: Detection) -> float:

@@ -8,7 +8,7 @@ begins at once, the step that would follow is added as an offset, which then dec
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from halo_service.canvas.detections import LONGEST_S, Detection, Member, Place
@@ -17,6 +17,9 @@ SMOOTHING_S = 0.08
 """Time constant with which weights and offsets follow."""
 NEW_SHARE = 0.02
 """Weight with which a second node's report begins, as a share of its later weight."""
+LONGEST_STEP_MM = 40.0
+"""A longer step is no error of two nodes: the finger was lost and is found again, and the place
+jumps."""
 STALE_US = 150_000
 """Age, compared to the newest report, from which on a report has no weight."""
 
@@ -62,6 +65,13 @@ class Blend:
         decay = math.exp(-max(time_us - self._offset_us, 0) / 1e6 / SMOOTHING_S)
         return x + decay * self._offset[0], y + decay * self._offset[1]
 
+    def estimate_mm(self, time_us: int) -> Place:
+        """Return the most likely place at a time, which may jump where reports begin or end."""
+        fresh = [each for _, each in self._fresh(time_us)]
+        if not fresh:
+            return self._last.at(time_us)
+        return _mean_mm([(_weight(each), each.at(time_us)) for each in fresh])
+
     def mean(self, value: Callable[[Detection], float], of: set[Member], time_us: int) -> float:
         """Return the weighted mean of a value over some members; nan for none."""
         pairs = [(w, value(each)) for w, each in self._fresh(time_us) if each.member in of]
@@ -94,13 +104,7 @@ class Blend:
     def _raw(self, time_us: int) -> Place:
         """Return the weighted place; without reports, the last one's for a moment longer."""
         pairs = [(w, each.at(time_us)) for w, each in self._fresh(time_us)]
-        total = sum(w for w, _ in pairs)
-        if not total:
-            return self._last.at(time_us)
-        return (
-            sum(w * x for w, (x, _) in pairs) / total,
-            sum(w * y for w, (_, y) in pairs) / total,
-        )
+        return _mean_mm(pairs) if pairs else self._last.at(time_us)
 
     @contextmanager
     def _smoothly(self, time_us: int) -> Iterator[None]:
@@ -108,12 +112,22 @@ class Blend:
         before = self.place_mm(time_us)
         yield
         after = self._raw(time_us)
-        self._offset = (before[0] - after[0], before[1] - after[1])
+        lost = math.dist(before, after) > LONGEST_STEP_MM
+        self._offset = (0.0, 0.0) if lost else (before[0] - after[0], before[1] - after[1])
         self._offset_us = time_us
 
 
 def _weight(seen: Detection) -> float:
     return 1.0 / seen.deviation_mm**2
+
+
+def _mean_mm(places: Sequence[tuple[float, Place]]) -> Place:
+    """Return the mean of (weight, place); weights are above 0."""
+    total = sum(weight for weight, _ in places)
+    return (
+        sum(weight * x for weight, (x, _) in places) / total,
+        sum(weight * y for weight, (_, y) in places) / total,
+    )
 
 
 def velocity(blend: Blend, time_us: int) -> Place:

@@ -45,9 +45,18 @@ class Detection:
     """As the node sent it."""
 
     @property
+    def name(self) -> tuple[int, int]:
+        """Its hand and finger, as the node reports them."""
+        return self.pointer.hand, self.pointer.finger
+
+    @property
     def weak(self) -> bool:
         """Whether the node hardly sees the finger."""
         return self.pointer.confidence < WEAK_CONFIDENCE
+
+    def is_weaker(self, other: Detection) -> bool:
+        """Whether both are weak, and this one is not seen better than the other."""
+        return self.weak and self.pointer.confidence <= other.pointer.confidence
 
     def coasts(self, now: Detection) -> bool:
         """Whether a newer report repeats this one: the node does not see the finger now."""

@@ -134,7 +134,7 @@ class Fusion:
         for number, seen in enumerate(new):
             if number in assigned:
                 self._replace(free[assigned[number]], seen)
-            elif len(self.tracks) < wire.MAX_POINTERS and not self._waits(seen):
+            elif len(self.tracks) < wire.MAX_POINTERS and not self._waits(seen, frame):
                 self.tracks.append(self._started(seen))
 
     @staticmethod
@@ -153,10 +153,17 @@ class Fusion:
             self._note(track, track.touches.up(member, event, vanished=True, returns=touched))
             track.remove(member, seen.time_us)
 
-    def _waits(self, seen: Detection) -> bool:
-        """Whether to start no track yet: the pointer is weak, and another node may see it."""
-        near = self._is_near_another(seen.place_mm, seen.member[0])
-        return seen.weak and not seen.pointer.touching and near
+    def _waits(self, seen: Detection, frame: NodeFrame) -> bool:
+        """Whether to start no track yet: the pointer is weak, and another node may see it, or its
+        own node sees a finger of this name better."""
+        if not seen.weak or seen.pointer.touching:
+            return False
+        better = any(
+            each.name == seen.name and seen.is_weaker(each)
+            for each in frame.pointers
+            if each is not seen
+        )
+        return better or self._is_near_another(seen.place_mm, seen.member[0])
 
     def _started(self, seen: Detection) -> Track:
         slots = {track.slot for track in self.tracks}

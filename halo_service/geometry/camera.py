@@ -20,6 +20,8 @@ Points = NDArray[np.float64]
 UNDISTORTED_PX = 1.0
 """A ray is right if it projects to within this of its pixel."""
 UNTURNED = np.eye(3)
+FEW = 200
+"""Up to so many points OpenCV projects faster than NumPy; beyond, its derivatives cost most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +49,30 @@ class Lens:
         """Map (N, 3) points in this lens's frame to (N, 2) pixels."""
         if len(points) == 0:
             return np.empty((0, 2))
+        if len(points) > FEW:
+            x, y, z = points.astype(np.float64).T
+            away = 1.0 / np.where(z == 0.0, 1.0, z)
+            with np.errstate(all="ignore"):  # what is far off the lens overflows, as in OpenCV
+                return np.column_stack(self.distorted(x * away, y * away))
         zero = np.zeros(3)
         px, _ = cv2.projectPoints(points.astype(np.float64), zero, zero, *_for_opencv(self))
         return np.asarray(px, dtype=np.float64).reshape(-1, 2)
+
+    def distorted(self, x: Points, y: Points) -> tuple[Points, Points]:
+        """Map (N,) x and y of directions with z = 1 to (N,) columns and rows, px.
+
+        The same numbers as OpenCV's, bit for bit.
+        """
+        k1, k2, p1, p2, k3, k4, k5, k6 = self.distortion
+        r2 = x * x + y * y
+        r4 = r2 * r2
+        r6 = r4 * r2
+        radial = 1.0 + k1 * r2 + k2 * r4 + k3 * r6
+        less = 1.0 / (1.0 + k4 * r2 + k5 * r4 + k6 * r6)
+        twice = 2.0 * x * y
+        column = x * radial * less + p1 * twice + p2 * (r2 + 2.0 * x * x)
+        row = y * radial * less + p1 * (r2 + 2.0 * y * y) + p2 * twice
+        return column * self.fx + self.cx, row * self.fy + self.cy
 
     def rays(self, px: Points) -> Points:
         """Map (N, 2) pixels to (N, 3) directions with z = 1: a point at depth z is `z * ray`."""

@@ -141,9 +141,10 @@ def _colour_from_depth(device: Device) -> Points:
 @functools.lru_cache(maxsize=8)
 def pixel_rays(lens: Lens) -> Points:
     """(H, W, 3) the direction of each pixel's centre, z = 1."""
-    rows, columns = np.mgrid[: lens.height, : lens.width]
-    px = np.column_stack([columns.ravel(), rows.ravel()]).astype(np.float64)
-    return lens.rays(px).reshape(lens.height, lens.width, 3)
+    # Row by row: arrays for all pixels do not stay in the processor's cache.
+    columns = np.arange(float(lens.width))
+    rows = (np.full(lens.width, float(row)) for row in range(lens.height))
+    return np.stack([lens.rays(np.column_stack([columns, row])) for row in rows])
 
 
 def shrunk(lens: Lens, times: int) -> Lens:

@@ -138,28 +138,15 @@ def _nearest(pixel: Ints, depth: Pixels, pixels: int) -> Ints:
 
 
 def _project(lens: Lens, points: Floats) -> tuple[Pixels, Pixels, Pixels]:
-    """Columns and rows, px, and depths, mm; depth 0 for what the lens does not see.
-
-    The same numbers as `Lens.project`, which calls OpenCV: its function spends most of its time
-    on derivatives.
-    """
+    """Columns and rows, px, and depths, mm; depth 0 for what the lens does not see."""
     x, y, z = points.T
     seen = (z > 0.0) & (x * x + y * y < (WIDEST * z) ** 2)
     # Elsewhere (an upper arm as high as the lens) the model divides by about zero.
     x, y, away = np.where(seen, x, 0.0), np.where(seen, y, 0.0), 1.0 / np.where(seen, z, 1.0)
-    x, y = x * away, y * away
-    k1, k2, p1, p2, k3, k4, k5, k6 = lens.distortion
-    r2 = x * x + y * y
-    r4 = r2 * r2
-    r6 = r4 * r2
-    radial = 1.0 + k1 * r2 + k2 * r4 + k3 * r6
-    less = 1.0 / (1.0 + k4 * r2 + k5 * r4 + k6 * r6)
-    twice = 2.0 * x * y
-    column = x * radial * less + p1 * twice + p2 * (r2 + 2.0 * x * x)
-    row = y * radial * less + p1 * (r2 + 2.0 * y * y) + p2 * twice
+    column, row = lens.distorted(x * away, y * away)
     return (
-        (column * lens.fx + lens.cx).astype(np.float32),
-        (row * lens.fy + lens.cy).astype(np.float32),
+        column.astype(np.float32),
+        row.astype(np.float32),
         np.where(seen, z, 0.0).astype(np.float32),
     )
 

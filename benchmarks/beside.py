@@ -21,14 +21,15 @@ ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("calibration", "protocol", "clients/*")
 """What a checkout puts on Python's path besides itself."""
 SENSOR = """
-import time, cv2
+import inspect, time, cv2
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import parse_sim_url
 cv2.setNumThreads(1)
 request = parse_sim_url("sim:{scenario}?drop=0")
 running = start_scenario(request.scenario, request.room)
-sensor = Sensor(request.room, colour_times={times})
+options = {{"live": True}} if {live} and "live" in inspect.signature(Sensor).parameters else {{}}
+sensor = Sensor(request.room, colour_times={times}, **options)
 if {live} and hasattr(sensor, "with_colour"):
     sensor.with_colour(False)  # as the service does once its background is measured
 def draw(k):

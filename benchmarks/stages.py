@@ -30,6 +30,7 @@ from halo_service.settings import Settings
 from halo_service.values import Frame, Tracked
 from halo_service.virtual import sensor
 from halo_service.virtual.depth_image import DepthImager
+from halo_service.virtual.live_noise import LiveElectronics
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios import start_scenario
@@ -44,7 +45,7 @@ STAGES: tuple[tuple[Any, str, str], ...] = (
     (sensor, "soften_edges", "virtual camera: shadow, edges, stray light"),
     (sensor, "add_stray_light", "virtual camera: shadow, edges, stray light"),
     (Electronics, "depth", "virtual camera: noise"),
-    (Electronics, "infrared", "virtual camera: noise"),
+    (LiveElectronics, "infrared", "virtual camera: noise"),
     (sensor.Sensor, "frame", "virtual camera: halo and the rest"),
     (PacedTracker, "detect", "hand tracker: whether to look"),
     (HandDetector, "_look", "hand tracker: model"),
@@ -108,7 +109,7 @@ def run(request: SimRequest, count: int, clock: Clock) -> None:
     settings = Settings()
     profile = cached_profile(request.room, settings, virtual_profile)
     running = start_scenario(request.scenario, request.room)
-    camera = sensor.Sensor(request.room, colour_times=0)
+    camera = sensor.Sensor(request.room, colour_times=0, live=True)
     encode = clock.timed(FrameEncoder("bench", "s0", 0).encode, "encoding")
     sense = clock.timed(step, "sensing: the rest")
 

@@ -40,7 +40,7 @@ def cost_ms(scenario: str, colour_times: int, from_s: float, frames: int) -> NDA
     request = parse_sim_url(f"sim:{scenario}?drop=0")
     running, sensor = (
         start_scenario(request.scenario, request.room),
-        Sensor(request.room, colour_times=colour_times),
+        Sensor(request.room, colour_times=colour_times, live=colour_times > 1),
     )
     costs = []
     for k in range(frames + 5):

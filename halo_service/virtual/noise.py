@@ -1,13 +1,11 @@
 """What the electronics add: noise, fixed pattern, drift, and pixels that read nothing.
 
-Rule: images in, images out. Fresh random numbers for a whole frame cost 20 ms, so they come from
-pools: larger images that are cut at a new random place, and turned over, each time.
+Rule: images in, images out; random numbers come from `pools`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
@@ -17,6 +15,7 @@ from halo_service.geometry.camera import Camera, Lens
 from halo_service.virtual.boxes import Box
 from halo_service.virtual.camera import MODES, px_times
 from halo_service.virtual.depth_image import Ideal
+from halo_service.virtual.pools import SPARE, Pool, boxed, waves
 from halo_service.virtual.room import Room
 from halo_service.virtual.sensor_model import SensorModel
 
@@ -45,30 +44,7 @@ GRAIN = 2.0
 """Noise of the colour image, grey levels; chosen."""
 _BAND_ROWS = 64
 """An image is read in parts that stay in the processor's cache from one step to the next."""
-_SPARE = 400
-"""How much larger a pool is than an image, px: so many places to cut it at, each way."""
 _COLOUR_ROWS, _COLOUR_COLUMNS = 720, 1280
-_SLOW_PX = 64
-"""Size of the slow noise's waves, px; chosen: no trend is left over 24 px, and a plane takes most
-of them out of a window of 72 px, as on the real recording."""
-
-
-class Pool:
-    """Random numbers, larger than an image."""
-
-    def __init__(self, numbers: NDArray[Any], shape: tuple[int, int]) -> None:
-        self._numbers, self._shape = numbers, shape
-
-    def draw(self, rng: np.random.Generator) -> NDArray[Any]:
-        """A view of as many numbers as an image has."""
-        return self._numbers[self.place(rng, self._shape)]
-
-    def place(self, rng: np.random.Generator, shape: tuple[int, ...]) -> tuple[slice, slice]:
-        """Where to cut (rows, columns) out of it."""
-        rows, columns = shape
-        y = int(rng.integers(0, 1 + self._numbers.shape[0] - rows))
-        x = int(rng.integers(0, 1 + self._numbers.shape[1] - columns))
-        return slice(y, y + rows), slice(x, x + columns)
 
 
 class Electronics:
@@ -79,10 +55,10 @@ class Electronics:
         lens, model = camera.depth, room.sensor
         self._times, self._model = np.float32(room.noise), model
         shape = lens.height, lens.width
-        size = shape[0] + _SPARE, shape[1] + _SPARE
+        size = shape[0] + SPARE, shape[1] + SPARE
         rng = np.random.default_rng([*room.noise_seed, 1])
         # The colour image draws from it too, and is larger.
-        white = rng.standard_normal((_COLOUR_ROWS + _SPARE, _COLOUR_COLUMNS + _SPARE), np.float32)
+        white = rng.standard_normal((_COLOUR_ROWS + SPARE, _COLOUR_COLUMNS + SPARE), np.float32)
         self._white = Pool(white, shape)
         step = (white * np.float32(GRAIN * self._times)).astype(np.int8)
         self._brighter, self._darker = (
@@ -92,8 +68,8 @@ class Electronics:
         self._photons = Pool(np.float32(1.0) + np.float32(IR_NOISE) * part, shape)
         # 0.5: a device cuts; the sum in `infrared` rounds.
         self._counts = Pool(np.float32(IR_FLOOR) * part - np.float32(0.5), shape)
-        self._correlated = Pool(_boxed(part, model.noise_box_px), shape)
-        self._slow = Pool(_waves(rng, size), shape)
+        self._correlated = Pool(boxed(part, model.noise_box_px), shape)
+        self._slow = Pool(waves(rng, size), shape)
         dark = TOO_DARK + model.dark_flicker_counts * rng.standard_exponential(size, np.float32)
         self._too_dark = Pool(np.ceil(_in_steps(dark)).astype(np.uint16), shape)
         self._pattern = _fixed_pattern(lens, room.installation.camera - 1)
@@ -112,8 +88,26 @@ class Electronics:
 
         `changed`: where it may differ from the empty room.
         """
+        noise = self._drawn(age_s, rng)
+        read = self.empty_depth(noise)
+        if changed is not None:
+            read[changed] = noise.read(self._before_noise(seen, changed), changed)
+        if self._holes:
+            gone = rng.random(read.shape, np.float32) < self._holes
+            read[gone & (seen.covered == 0)] = 0
+        return read
+
+    def empty_depth(self, noise: DepthNoise) -> NDArray[np.uint16]:
+        """(H, W) uint16, mm, of the empty room."""
+        read: NDArray[np.uint16] = np.empty(self._empty.depth.shape, np.uint16)
+        for band in _bands(read.shape[0]):
+            read[band] = noise.read(self._empty.rows(band), (band, slice(None)))
+        return read
+
+    def _drawn(self, age_s: float, rng: np.random.Generator) -> DepthNoise:
+        """The depth noise of a frame."""
         drift = -DRIFT_MM * float(np.exp(-max(age_s, 0.0) / self._model.warm_up_s))
-        noise = _DepthNoise(
+        return DepthNoise(
             self._correlated.draw(rng),
             self._turned(rng),
             self._slow.draw(rng),
@@ -121,15 +115,6 @@ class Electronics:
             self._too_dark.draw(rng),
             drift,
         )
-        read: NDArray[np.uint16] = np.empty(seen.depth.shape, np.uint16)
-        for band in _bands(read.shape[0]):
-            read[band] = noise.read(self._empty.rows(band), (band, slice(None)))
-        if changed is not None:
-            read[changed] = noise.read(self._before_noise(seen, changed), changed)
-        if self._holes:
-            gone = rng.random(read.shape, np.float32) < self._holes
-            read[gone & (seen.covered == 0)] = 0
-        return read
 
     def _before_noise(self, seen: Ideal, box: Box) -> _Quiet:
         infrared = seen.infrared[box]
@@ -145,14 +130,16 @@ class Electronics:
         """The room's share of the noise, of either sign: what is drawn twice stays independent."""
         return (-1.0, 1.0)[rng.integers(2)] * float(self._times)
 
-    def infrared(self, ideal: Image, rng: np.random.Generator) -> NDArray[np.uint16]:
-        """(H, W) uint16 counts, 65535 where it saturates."""
-        photons, counts = self._photons.draw(rng), self._counts.draw(rng)
-        read: NDArray[np.uint16] = np.empty(ideal.shape, np.uint16)
-        for band in _bands(len(read)):
-            light = cv2.multiply(ideal[band], photons[band])
-            cv2.add(light, counts[band], dst=read[band], dtype=cv2.CV_16U)
-        return read
+    def infrared(
+        self, seen: Ideal, changed: Box | None, rng: np.random.Generator
+    ) -> NDArray[np.uint16]:
+        """(H, W) uint16 counts, 65535 where it saturates. `changed`: as for `depth`."""
+        del changed  # the whole image is drawn
+        return self.infrared_noise(rng).whole(seen.infrared)
+
+    def infrared_noise(self, rng: np.random.Generator) -> InfraredNoise:
+        """The infrared noise of a frame."""
+        return InfraredNoise(self._photons.draw(rng), self._counts.draw(rng))
 
     def grain(self, image: NDArray[np.uint8], rng: np.random.Generator) -> None:
         """Add noise to a colour image, in place."""
@@ -177,8 +164,8 @@ class _Quiet:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _DepthNoise:
-    """What one frame draws."""
+class DepthNoise:
+    """What one frame draws for its depth."""
 
     white: Image
     white_times: float
@@ -197,6 +184,27 @@ class _DepthNoise:
         return np.asarray(cv2.copyTo(np.asarray(read, np.uint16), valid), dtype=np.uint16)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class InfraredNoise:
+    """What one frame draws for its infrared."""
+
+    photons: Image
+    counts: Image
+
+    def read(self, light: Image, box: Box) -> NDArray[np.uint16]:
+        """What a part of the image reads."""
+        noisy = cv2.multiply(light, self.photons[box])
+        read = cv2.add(noisy, self.counts[box], dtype=cv2.CV_16U)
+        return np.asarray(read, dtype=np.uint16)
+
+    def whole(self, light: Image) -> NDArray[np.uint16]:
+        """What an image reads."""
+        read: NDArray[np.uint16] = np.empty(light.shape, np.uint16)
+        for band in _bands(len(read)):
+            read[band] = self.read(light[band], (band, slice(None)))
+        return read
+
+
 def _in_steps(counts: Image) -> Image:
     """Infrared in steps of 1/128 count, for 16 bits: what is brighter is readable for certain."""
     return np.asarray(np.float32(128.0) * np.minimum(counts, np.float32(511.0)), dtype=np.float32)
@@ -209,22 +217,6 @@ def _everywhere(image: Image) -> Box:
 def _bands(rows: int) -> list[slice]:
     """An image in parts that stay in the processor's cache from one step to the next."""
     return [slice(row, min(row + _BAND_ROWS, rows)) for row in range(0, rows, _BAND_ROWS)]
-
-
-def _boxed(white: Image, box_px: int) -> Image:
-    """White noise through a box, of the same deviation."""
-    if box_px == 1:
-        return white
-    smooth = cv2.blur(white, (box_px, box_px), borderType=cv2.BORDER_REFLECT)
-    return np.asarray(smooth * np.float32(box_px), dtype=np.float32)
-
-
-def _waves(rng: np.random.Generator, shape: tuple[int, int]) -> Image:
-    """Smooth noise of deviation 1."""
-    rows, columns = shape
-    coarse = rng.standard_normal((rows // _SLOW_PX + 2, columns // _SLOW_PX + 2), np.float32)
-    smooth = cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC)
-    return np.asarray(smooth / smooth.std(), dtype=np.float32)
 
 
 def _fixed_pattern(lens: Lens, number: int) -> Image:

@@ -1,7 +1,8 @@
 """What the virtual camera measures: hands in a room to the frame that an SDK would hand us.
 
 Rule: a frame is a function of (room, time, what is in view): no hidden state, so the same seed
-gives the same bytes in any order. The truth stays outside: nothing of it is in the frame.
+gives the same bytes in any order; only live, noise also depends on the frames before. The truth
+stays outside: nothing of it is in the frame.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from halo_service.virtual.depth_image import DepthImager, Ideal
 from halo_service.virtual.exposure import EDGE_STEP_MM
 from halo_service.virtual.halo import fading
 from halo_service.virtual.installation.interference import Interference
+from halo_service.virtual.live_noise import LiveElectronics
 from halo_service.virtual.noise import Electronics
 from halo_service.virtual.optics import (
     AVERAGED,
@@ -42,10 +44,13 @@ class Sensor:
 
     `colour_times` draws the colour image at that fraction of its size and enlarges it (live);
     1 is full quality, 0 switches colour off. `started_us` is when the device was switched on.
+    `live`: frames follow each other, and noise of the empty room returns; see `live_noise`.
     Raises UserError where the room asks for a picture that cannot be read.
     """
 
-    def __init__(self, room: Room, *, colour_times: int = 1, started_us: int = 0) -> None:
+    def __init__(
+        self, room: Room, *, colour_times: int = 1, started_us: int = 0, live: bool = False
+    ) -> None:
         self.room = room
         self._user = _as_read(room)
         self.camera = room.camera()
@@ -53,7 +58,8 @@ class Sensor:
         self._started_us = started_us
         self._imager = DepthImager(room, self.camera, self.surface)
         self._fade = fading(room.camera_height_mm, room.camera_yaw_deg, room.camera_pitch_deg)
-        self._electronics = Electronics(room, self.camera, self._imager.empty)
+        electronics = LiveElectronics if live else Electronics
+        self._electronics = electronics(room, self.camera, self._imager.empty)
         self._interference = (
             None
             if room.installation.alone
@@ -116,7 +122,7 @@ class Sensor:
             depth[places] = 0
         if self._interference is not None:
             self._interference.disturb(depth, shared_light, rng)
-        infrared = self._electronics.infrared(ideal.infrared, rng)
+        infrared = self._electronics.infrared(ideal, changed, rng)
         self._imager.wipe(changed)
         return Frame(time_us, depth, infrared, self._picture(age_s, seen, velocities, rng))
 

@@ -94,6 +94,7 @@ class _Camera:
             request.room,
             colour_times=LIVE_COLOUR_TIMES if colour else 0,
             started_us=switched_on_us,
+            live=True,
         )
         # Once for nothing, so that what is built at first use does not hold up a frame.
         joins = not request.room.installation.alone

@@ -11,6 +11,7 @@ from halo_service.values import Finger, Frame, Side
 from halo_service.virtual.bodies import cup
 from halo_service.virtual.clock import START_US
 from halo_service.virtual.hand import pointing
+from halo_service.virtual.live_noise import READS
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.noise import DRIFT_MM
 from halo_service.virtual.offline import SimulatedRecording, frames
@@ -23,6 +24,8 @@ from halo_service.virtual.skeleton import FingerPose, posed
 from tests.kind_sensor import KIND_ROOM, KIND_URL
 
 QUIET = Room(**KIND_ROOM, noise=0.0)
+WARM_US = -10_000_000_000
+"""When a device was switched on that drifts no more."""
 
 
 def hand_at(room, height_mm=0.0, force_g=25.0, x_mm=150.0, y_mm=100.0, **angles):
@@ -64,6 +67,36 @@ def test_depth_and_infrared_are_the_same_without_colour():
     one, other = (sensor.frame(1_000_000) for sensor in (full, without))
     assert one.colour is not None and other.colour is None
     assert np.array_equal(one.depth, other.depth) and np.array_equal(one.ir, other.ir)
+
+
+def test_without_noise_live_depth_is_that_of_full_quality():
+    request = parse_sim_url(f"sim:demo?noise=0&{KIND_URL}")
+    scenario = start_scenario(request.scenario, request.room)
+    full, live = (
+        Sensor(request.room, colour_times=0, started_us=WARM_US, live=live)
+        for live in (False, True)
+    )
+    for k in range(2 * READS):
+        moment = scenario.at(2.0 + k / 30.0)
+        one, other = (sensor.frame(k, moment.hands, moment.things) for sensor in (full, live))
+        assert np.array_equal(one.depth, other.depth)
+
+
+def test_live_frames_have_the_noise_of_full_quality():
+    room, hand = Room(**KIND_ROOM), hand_at(Room(**KIND_ROOM))
+    spreads, means = [], []
+    for live in (False, True):
+        sensor = Sensor(room, colour_times=0, started_us=WARM_US, live=live)
+        frames = [sensor.frame(k, [hand]) for k in range(12 * READS)]
+        for images in ([f.depth for f in frames], [f.ir for f in frames]):
+            reads = np.array([image[150:450:3, 150:450:3] for image in images], dtype=np.float64)
+            reads[reads == 0.0] = np.nan
+            apart = np.diff(reads, axis=0)  # noise from frame to frame
+            spreads.append(np.nanmedian(np.nanstd(apart, axis=0)))
+            means.append(np.nanmean(reads, axis=0))
+    assert spreads[2:] == pytest.approx(spreads[:2], rel=0.05)
+    bias = np.nanstd(means[2] - means[0])
+    assert bias < 0.4 * spreads[0]
 
 
 def test_one_seed_is_one_room_over_all_scenarios():

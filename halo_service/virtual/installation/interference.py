@@ -16,7 +16,7 @@ from halo_service.geometry.camera import Lens
 from halo_service.virtual.camera import MODES
 from halo_service.virtual.clock import Clock
 from halo_service.virtual.exposure import PULSES
-from halo_service.virtual.noise import Pool
+from halo_service.virtual.pools import Pool
 from halo_service.virtual.room import Room
 from halo_service.virtual.scene import View
 

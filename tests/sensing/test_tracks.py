@@ -178,6 +178,13 @@ def test_a_track_on_a_hand_with_that_finger_elsewhere_ends() -> None:
     assert [each.id for each in associate((wrong, right), (far,), 9)] == [1, 2]
 
 
+def test_a_finger_next_to_the_other_hand_stays_while_the_tracker_loses_its_own() -> None:
+    left, right = live(100, 120)
+    left = replace(left, votes=-5)
+    hand = replace(detection(100, 30), side=Side.LEFT, hand_px=np.full((21, 2), (110.0, 310.0)))
+    assert [each.id for each in associate((left, right), (hand,), 9)] == [1, 2]
+
+
 def maps(*xs: float) -> tuple[HeightMap, ...]:
     """A hand with one finger, its tip at x in each frame: from frame 4 on."""
     seen = []

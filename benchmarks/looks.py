@@ -40,7 +40,7 @@ from halo_service.virtual.sim_url import parse_sim_url
 SOURCES = (
     *(f"sim:pointing?seed={seed}" for seed in (201, 202, 203)),
     "sim:projector?seed=203", "sim:drumming?seed=202", "sim:drumming?seed=205",
-    "sim:typing?seed=203", "sim:chaos?seed=204",
+    "sim:typing?seed=203", "sim:typing?seed=8", "sim:chaos?seed=204",
 )  # fmt: skip
 ALLOWED = 0.01
 """Share of the true touches that fewer looks may lose."""

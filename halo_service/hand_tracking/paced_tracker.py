@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import combinations
 
 import cv2
 import numpy as np
@@ -38,9 +37,6 @@ SURE = 0.8
 """A hand with less confidence is looked at in every frame."""
 NEAR_MM = 30.0
 """Palms of two looks in a row that are one hand."""
-APART_MM = 20.0
-"""The model confuses fingers of two hands that are nearer to each other than this (chosen: a
-finger and its gap), so they are looked at in every frame."""
 CAME_MM, CAME_MM2 = 25.0, 400.0
 """Something came in, or a hand went away from its place, where so large an area is above the
 surface and farther than this from all that was there at the last look: a finger's breadth."""
@@ -118,7 +114,7 @@ class PacedTracker:
         same = len(before) == len(tracked.hands) and all(
             any(self._are_near(hand, other) for other in before) for hand in tracked.hands
         )
-        if not same or not self._last or not self._are_clear(tracked.hands):
+        if not same or not self._last or any(hand.confidence < SURE for hand in tracked.hands):
             return 1
         return self._last.settled + 1
 
@@ -132,21 +128,8 @@ class PacedTracker:
         before = self._last.searched_us if self._last else None
         return tracked.time_us if before is None else before
 
-    def _are_clear(self, hands: tuple[Hand, ...]) -> bool:
-        """Return whether the model is sure of all hands, and none is in another one's way."""
-        apart_px = APART_MM * self._px_per_mm
-        return all(hand.confidence >= SURE for hand in hands) and all(
-            _gap(one, other) >= apart_px for one, other in combinations(hands, 2)
-        )
-
     def _are_near(self, hand: Hand, other: Hand) -> bool:
         return math.dist(_palm(hand), _palm(other)) < NEAR_MM * self._px_per_mm
-
-
-def _gap(one: Hand, other: Hand) -> float:
-    """Return the distance between the nearest landmarks of two hands, px."""
-    across = one.landmarks_px[:, None] - other.landmarks_px[None]
-    return float(np.sqrt((across**2).sum(axis=-1).min()))
 
 
 def _palm(hand: Hand) -> NDArray[np.float64]:

@@ -70,7 +70,8 @@ def capsule_distances(capsules: list[Capsule], points: Floats) -> Floats:
         axis = end - start
         along = np.clip((points - start) @ axis / (axis @ axis), 0.0, 1.0)
         radius = capsule.start_radius + along * (capsule.end_radius - capsule.start_radius)
-        columns.append(np.linalg.norm(points - start - along[:, None] * axis, axis=1) - radius)
+        x, y, z = (points - start - along[:, None] * axis).T
+        columns.append(np.sqrt(x * x + y * y + z * z) - radius)
     return np.column_stack(columns)
 
 

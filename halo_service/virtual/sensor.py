@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,10 @@ class Sensor:
         self.camera = room.camera()
         self.surface = room.surface()
         self._started_us = started_us
-        self._imager = DepthImager(room, self.camera, self.surface)
+        with ThreadPoolExecutor(1, "colour") as other_core:
+            colour = other_core.submit(self._colour_imager, colour_times)
+            self._imager = DepthImager(room, self.camera, self.surface)
+        self._colour = colour.result()
         self._fade = fading(room.camera_height_mm, room.camera_yaw_deg, room.camera_pitch_deg)
         electronics = LiveElectronics if live else Electronics
         self._electronics = electronics(room, self.camera, self._imager.empty)
@@ -66,11 +70,11 @@ class Sensor:
             else Interference(room, self.camera.depth, self._imager.view)
         )
         self._colour_times = colour_times
-        self._colour = (
-            ColourImager(room, self.camera, self.surface, colour_times) if colour_times else None
-        )
         self._shown: Bgr | None = None
         self._draws_colour = True
+
+    def _colour_imager(self, times: int) -> ColourImager | None:
+        return ColourImager(self.room, self.camera, self.surface, times) if times else None
 
     def with_colour(self, wanted: bool) -> None:
         """Draw colour or leave it out from now on; depth and infrared stay the same."""
@@ -94,10 +98,8 @@ class Sensor:
         self._user = _as_read(room)
         self._imager = DepthImager(room, self.camera, self.surface)
         self._electronics.furnish(self._imager.empty)
-        if self._colour is None:
-            return
-        self._colour = ColourImager(room, self.camera, self.surface, self._colour_times)
-        if self._shown is not None:
+        self._colour = self._colour_imager(self._colour_times)
+        if self._colour is not None and self._shown is not None:
             self._colour.throw(self._shown)
 
     def frame(

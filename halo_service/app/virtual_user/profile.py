@@ -7,7 +7,8 @@ not used. Only a live virtual source gets such a profile; a recording does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -23,6 +24,7 @@ from halo_service.app.virtual_user.user import STATE_VALUES, VirtualUser
 from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.settings import Settings
+from halo_service.values import Frame
 from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 
@@ -76,6 +78,15 @@ def _held(
 ) -> HoldObservations:
     user.follow(PROMPTS[state])
     user.skip(SETTLE_S)
-    frames = session.lasting(HELD_S, state)
+    frames = _ahead(session.lasting(HELD_S, state))
     count = session.frame_count(HELD_S)
     return steps.watch_hold(state, frames, count, observer, lambda _: advance())
+
+
+def _ahead(frames: Iterator[Frame]) -> Iterator[Frame]:
+    """Draw each frame on the other core while the one before is looked at."""
+    with ThreadPoolExecutor(1, "draw") as other_core:
+        following = other_core.submit(next, frames, None)
+        while (frame := following.result()) is not None:
+            following = other_core.submit(next, frames, None)
+            yield frame

@@ -158,13 +158,24 @@ class Sensor:
             parts = [within(each, box) for each in boxes]
             field = part.field(view.x_mm[box], view.y_mm[box], parts)
             field *= self._imager.top.halo[box]
-            # Skin is not dented, but a low finger's averaged pixels share what lies around them.
-            rise = self._imager.table[box] - ideal.depth[box] + ideal.late[box]
-            rise /= np.float32(EDGE_STEP_MM)
-            share = np.clip(np.float32(AVERAGED) * (np.float32(1.0) - rise), 0.0, 1.0)
-            ideal.depth[box] += np.where(ideal.covered[box] > 0, share * field, field)
+            field *= self._dented_share(ideal, box)
+            ideal.depth[box] += field
             dented.append(box)
         return dented
+
+    def _dented_share(self, ideal: Ideal, box: Box) -> NDArray[np.float32]:
+        """How much of a dent is seen at each pixel of a box, 0 to 1.
+
+        Skin is not dented, but a low finger's averaged pixels share what lies around them.
+        """
+        share = self._imager.table[box] - ideal.depth[box]
+        share += ideal.late[box]
+        share /= np.float32(EDGE_STEP_MM)
+        np.subtract(np.float32(1.0), share, out=share)
+        share *= np.float32(AVERAGED)
+        np.clip(share, 0.0, 1.0, out=share)
+        np.copyto(share, 1.0, where=ideal.covered[box] == 0)
+        return share
 
     def _picture(
         self,

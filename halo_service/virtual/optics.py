@@ -109,8 +109,8 @@ def cast_shadow(
     here = cv2.subtract(ideal.depth[box], ideal.late[box])
     column = np.arange(covered.shape[1], dtype=np.float32)
     # How far the illuminator's view differs from ours: a body darkens what is so far to its left.
-    shift = lens.fx * model.illuminator_mm
-    left_px = np.asarray(cv2.divide(shift, there) - cv2.divide(shift, here), np.float32)
+    shift = np.float32(lens.fx * model.illuminator_mm)
+    left_px = shift / there - shift / here
     farthest = min(covered.shape[1], 2 + int(-left_px.min()))
     free = covered == 0
     left_px += column

@@ -12,9 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_service.virtual.boxes import Box
 from halo_service.virtual.depth_image import Ideal
 from halo_service.virtual.noise import DepthNoise, Electronics
+from halo_service.virtual.optics import WIDEST_SHADOW_PX
 
 Read = NDArray[np.uint16]
 
@@ -38,12 +38,13 @@ class LiveElectronics(Electronics):
         """As `Electronics.empty_depth`, or one that was read before."""
         return self._depths.next(lambda: super(LiveElectronics, self).empty_depth(noise))
 
-    def infrared(self, seen: Ideal, changed: Box | None, rng: np.random.Generator) -> Read:
-        """As `Electronics.infrared`, where the image may differ from the empty room."""
+    def infrared(self, seen: Ideal, rng: np.random.Generator) -> Read:
+        """As `Electronics.infrared`, where bodies and their shadows are."""
         noise = self.infrared_noise(rng)
         read = self._infrareds.next(lambda: noise.whole(self._light))
-        if changed is not None:
-            read[changed] = noise.read(seen.infrared[changed], changed)
+        lit = seen.around(WIDEST_SHADOW_PX)
+        if lit is not None:
+            read[lit] = noise.read(seen.infrared[lit], lit)
         return read
 
 

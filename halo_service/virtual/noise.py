@@ -130,11 +130,8 @@ class Electronics:
         """The room's share of the noise, of either sign: what is drawn twice stays independent."""
         return (-1.0, 1.0)[rng.integers(2)] * float(self._times)
 
-    def infrared(
-        self, seen: Ideal, changed: Box | None, rng: np.random.Generator
-    ) -> NDArray[np.uint16]:
-        """(H, W) uint16 counts, 65535 where it saturates. `changed`: as for `depth`."""
-        del changed  # the whole image is drawn
+    def infrared(self, seen: Ideal, rng: np.random.Generator) -> NDArray[np.uint16]:
+        """(H, W) uint16 counts, 65535 where it saturates."""
         return self.infrared_noise(rng).whole(seen.infrared)
 
     def infrared_noise(self, rng: np.random.Generator) -> InfraredNoise:

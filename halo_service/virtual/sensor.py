@@ -124,7 +124,7 @@ class Sensor:
             depth[places] = 0
         if self._interference is not None:
             self._interference.disturb(depth, shared_light, rng)
-        infrared = self._electronics.infrared(ideal, changed, rng)
+        infrared = self._electronics.infrared(ideal, rng)
         self._imager.wipe(changed)
         return Frame(time_us, depth, infrared, self._picture(age_s, seen, velocities, rng))
 

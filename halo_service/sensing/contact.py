@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from halo_service.profile import TouchStates
 from halo_service.sensing.hover import own_height
-from halo_service.sensing.states import span, touch_level
-from halo_service.values import Fingertip, Signal
+from halo_service.sensing.states import at_calibrated_pitch, span, values_of
+from halo_service.values import Finger, Fingertip, Signal
 
 CONTACT_LEVEL = 0.5
 """The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
@@ -34,13 +34,25 @@ REST_ODDS, RISEN_MM, RISE_DEVIATION_MM = 0.5, 2.5, 1.5
 evidence of contact below `RISEN_MM` and evidence against it above: log-odds for each standard
 deviation (chosen; depth repeats to a millimetre, and a finger rises by 3 mm in one frame)."""
 PRIOR_ODDS = 0.9
-"""Log-odds where the level is at contact and nothing else is measured (the regression gives 0.7;
-higher, so that a touch where the halo is weaker than the sweep predicts is not missed)."""
+"""Log-odds where the calibrated finger's level is at contact and nothing else is measured (the
+regression gives 0.7; higher, so that a touch whose halo is weaker than the sweep predicts is not
+missed)."""
 MOST_SIGMAS = 4.0
 """No evidence counts more than this: a misread frame may be off by any number of them (chosen)."""
 LEVEL_DEVIATION, VAGUE_DEVIATION = 0.25, 2.0
 """The level differs by the first from frame to frame and from place to place even with steady
 readings, and by the second where the calibration does not show what they are worth (chosen)."""
+OFFSET_DEVIATION = 0.8
+"""Standard deviation of how much higher or lower another finger reads than the calibrated index
+finger (measured on virtual open hands: middle fingers up to 1.5 higher, ring fingers 0.5 lower)."""
+WAITING_LEVEL, WAITING_DEVIATION = 0.75, 0.4
+"""A waiting finger's level above the hover state's, and its standard deviation: people wait at 5 to
+15 mm (on virtual open hands it is 0.3; chosen higher, because a weaker halo also rises less)."""
+LEAST_HALO = 0.3
+"""Of the hover state's: a finger with less is too high to tell (chosen)."""
+CROSSTALK = 0.4
+"""Share of a neighbour's rise that shows at another finger, and its standard deviation (chosen; on
+virtual open hands it is 0 to 0.2, and 0.7 from middle to ring finger at one user of five)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,25 +66,76 @@ class Evidence:
     height_mm: float = math.nan
     """By the finger's own depth; nan where it is not measured."""
     height_deviation_mm: float = math.inf
+    no_halo: float = -2.5
+    """Level of the empty surface."""
+    waiting: float = -1.5
+    """Level of the hover state."""
+    calibrated: bool = True
+    """Whether the states were held by this finger."""
 
 
 def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     """Return what a frame shows."""
-    level = touch_level(signal, states)
-    deviation = span(signal, states.subtle, states.touch).deviation
-    deviation = math.hypot(min(deviation, VAGUE_DEVIATION), LEVEL_DEVIATION)
-    return Evidence(level, deviation, *own_height(tip, states))
+    scale = span(signal, states.subtle, states.touch)
+    values = at_calibrated_pitch(signal, states.subtle)
+    deviation = math.hypot(min(scale.deviation, VAGUE_DEVIATION), LEVEL_DEVIATION)
+    height_mm, height_deviation_mm = own_height(tip, states)
+    calibrated = tip.finger is Finger.INDEX
+    if not calibrated:
+        height_deviation_mm = math.inf
+    return Evidence(
+        scale.at(values),
+        deviation,
+        height_mm,
+        height_deviation_mm,
+        scale.at([0.0] * len(values)),
+        scale.at(values_of(states.hover)),
+        calibrated,
+    )
+
+
+def contact_level(seen: Evidence, rest: float, beside: float = 0.0) -> tuple[float, float]:
+    """Return the level at which a finger meets the surface, and its standard deviation.
+
+    Only the index finger is calibrated. Another one reads higher or lower, which shows while it
+    waits above the surface, and its neighbours' halos reach it. `rest`: its level while it waits,
+    nan where unknown; `beside`: how far a neighbour's level is above its rest.
+    """
+    if seen.calibrated:
+        return CONTACT_LEVEL, 0.0
+    offset, deviation = _offset(seen, rest)
+    crosstalk = CROSSTALK * beside
+    return CONTACT_LEVEL + offset + crosstalk, math.hypot(deviation, crosstalk)
+
+
+def _offset(seen: Evidence, rest: float) -> tuple[float, float]:
+    """Return how much higher a finger reads than the calibrated one, and its deviation."""
+    usual, halo = seen.waiting - seen.no_halo, rest - seen.no_halo
+    if usual <= 0.0 or not halo > LEAST_HALO * usual:  # nan too: nothing is known high above
+        return 0.0, OFFSET_DEVIATION
+    variance = (WAITING_DEVIATION * max(usual / halo, 1.0)) ** 2
+    share = OFFSET_DEVIATION**2 / (OFFSET_DEVIATION**2 + variance)
+    return share * (rest - seen.waiting - WAITING_LEVEL), math.sqrt(share * variance)
 
 
 def contact_probability(
-    seen: Evidence, rise: float, before: float = 0.0, lowest_mm: float = math.nan
+    seen: Evidence,
+    rise: float,
+    before: float = 0.0,
+    lowest_mm: float = math.nan,
+    rest: float = math.nan,
+    beside: float = 0.0,
 ) -> float:
     """Return the probability that a finger touches.
 
     `rise`: of the level, in one frame; `before`: how fast it rose in the frames before;
-    `lowest_mm`: of its heights in this touch; nan where it does not touch.
+    `lowest_mm`: of its heights in this touch, nan where it does not touch; `rest`,
+    `beside`: see `contact_level`.
     """
-    odds = PRIOR_ODDS + LEVEL_ODDS * _sigmas(seen.level - CONTACT_LEVEL, seen.deviation)
+    meets, deviation = contact_level(seen, rest, beside)
+    deviation = math.hypot(seen.deviation, deviation)
+    odds = PRIOR_ODDS if seen.calibrated else 0.0
+    odds += LEVEL_ODDS * _sigmas(seen.level - meets, deviation)
     odds += RISE_ODDS * _sigmas(rise, seen.deviation)
     odds += STOP_ODDS * _sigmas(max(before - STILL * abs(rise), 0.0), seen.deviation)
     if math.isfinite(seen.height_mm):

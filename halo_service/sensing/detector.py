@@ -16,6 +16,8 @@ FRAME_US = 33_333
 """A rise is counted for one frame at 30 a second, whatever the camera's rate."""
 FADES = 0.8
 """What is left of an earlier rise after each frame (chosen: a third after five)."""
+RESTS = 0.1
+"""Of a new level in the level at rest (chosen: a third of a second)."""
 GAP_FRAMES = 4.0
 """Over a longer gap the rise is unknown."""
 
@@ -36,6 +38,8 @@ class Detector:
     """How fast the level rose lately, in one frame: the most, fading."""
     lowest_mm: float = math.nan
     """The lowest height by its own depth in this touch; nan while it does not touch."""
+    rest: float = math.nan
+    """The smoothed level while it does not touch."""
     was_apart: bool = True
     """Whether it was ever seen apart from the surface, or came in over its edge. One that was found
     pressing in the middle must lift first, because it is unknown when it came down."""
@@ -48,20 +52,22 @@ def detect(
     speed_mm_s: float,
     settings: SensingSettings,
     came_in: bool = False,
+    beside: float = 0.0,
 ) -> Detector:
     """Advance a detector by one frame.
 
     `before`: None for a finger that was just found; it does not touch until it comes down, or
-    `came_in`: it slides in over the surface's edge, maybe from another camera's surface.
+    `came_in`: it slides in over the surface's edge, maybe from another camera's surface;
+    `beside`: how far a neighbour's level is above its rest.
     """
     if before is None:
         probability = contact_probability(seen, 0.0)
         apart = probability < settings.down_level
-        return Detector(probability, seen.level, time_us, was_apart=apart)
+        return Detector(probability, seen.level, time_us, rest=seen.level, was_apart=apart)
     frames = max(time_us - before.time_us, 1) / FRAME_US
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
     rose = before.rose * FADES**frames
-    probability = contact_probability(seen, rise, rose, before.lowest_mm)
+    probability = contact_probability(seen, rise, rose, before.lowest_mm, before.rest, beside)
     apart = before.was_apart or came_in or probability < settings.down_level
     if before.touching:
         touching = probability >= settings.up_level
@@ -78,6 +84,7 @@ def detect(
         if changed
         else 0,
         rose=max(rise, rose),
+        rest=before.rest if touching else before.rest + RESTS * (seen.level - before.rest),
         lowest_mm=_lowest_mm(before.lowest_mm, seen.height_mm) if touching else math.nan,
         was_apart=apart,
     )

@@ -7,13 +7,14 @@ The hand tracker runs outside: it is stateful and late, and passes in the hands 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from halo_service.profile import Profile
+from halo_service.profile import Profile, TouchStates
 from halo_service.sensing.association import associate, load_solver
 from halo_service.sensing.background import Drift, follow_drift
-from halo_service.sensing.contact import evidence
+from halo_service.sensing.contact import Evidence, evidence
 from halo_service.sensing.correction import at_pitch, correct, leveled
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detections import detections
@@ -23,7 +24,7 @@ from halo_service.sensing.pointers import came_over_edge, describe, edge, follow
 from halo_service.sensing.readings import readings
 from halo_service.sensing.registration import REMEMBERED, HeightMap, height_map
 from halo_service.sensing.scale import Scale, on_surface
-from halo_service.sensing.scene import Scene, find, look
+from halo_service.sensing.scene import Found, Scene, find, look
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.sensing.settings import SensingSettings
 from halo_service.sensing.tracks import (
@@ -39,6 +40,9 @@ from halo_service.values import Fingertip, Frame, Signal, TouchEvent, TouchFrame
 
 DEFAULT_SURFACE = ("table", 300.0, 200.0)
 """Name, width and height in mm of a surface without calibration."""
+
+NEIGHBOUR_MM = 40.0
+"""The halos of two fingers that are farther apart do not meet (chosen: twice a halo's radius)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,17 +71,18 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     if profile is None or profile.touch is None:
         return clear(state, frame.time_us)
     scale = Scale(frame.depth, profile)
-    seen = detections(tracked, scale, settings.fingers)
+    detected = detections(tracked, scale, settings.fingers)
     drift_mm, size = state.drift.offset_mm, scale.on_surface
     newest = height_map(frame.time_us, frame.depth, profile.background, drift_mm, size)
     maps = (*state.maps, newest)[-REMEMBERED:]
     carried = tuple(carry(finger, maps, size) for finger in state.fingers)
-    tracks = associate(carried, seen, state.next_id, maps)
+    tracks = associate(carried, detected, state.next_id, maps)
     scene = look(frame, tracks, scale, settings, drift_mm)
+    measurements = [measure_finger(before, number, scene) for number, before in enumerate(tracks)]
     fingers: list[Track] = []
     events: list[TouchEvent] = []
-    for number, before in enumerate(tracks):
-        finger = follow_finger(before, number, scene)
+    for before, now in zip(tracks, measurements, strict=True):
+        finger = follow_finger(before, now, _rise_beside(now, measurements), scene)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
@@ -87,23 +92,46 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     return touch_frame, State(profile, settings, tuple(fingers), next_id, maps, drift)
 
 
-def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
-    """Run all stages on one finger in the present frame; None if it is gone."""
-    profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
-    states = profile.states(before.side)
+@dataclass(frozen=True, slots=True, eq=False)
+class Measurement:
+    """What the present frame shows of one finger."""
+
+    found: Found
+    signal: Signal
+    evidence: Evidence
+    states: TouchStates
+    rise: float
+    """How far its level is above its rest."""
+
+
+def measure_finger(before: Track, number: int, scene: Scene) -> Measurement | None:
+    """Measure one finger in the present frame; None if it does not show."""
+    states = scene.profile.states(before.side)
     assert states is not None  # `step` senses only with a complete profile
-    if is_abandoned(before, now_us):
-        return None
     found = find(before, number, scene, states)
     if found is None:
+        return None
+    signal = measure(found.own, found.tip, scene.profile)
+    shown = evidence(signal, found.tip, states)
+    rise = shown.level - before.detector.rest if before.detector else 0.0
+    return Measurement(found, signal, shown, states, rise)
+
+
+def follow_finger(
+    before: Track, now: Measurement | None, beside: float, scene: Scene
+) -> Track | None:
+    """Return a finger after the present frame; None if it is gone. `beside`: see `detect`."""
+    profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
+    if is_abandoned(before, now_us):
+        return None
+    if now is None:
         return coast(before, now_us, settings)
+    found, signal, states = now.found, now.signal, now.states
     tip = found.tip
-    signal = measure(found.own, tip, profile)
-    seen = evidence(signal, tip, states)
     place_mm = pad_under_nail(tip.pad_mm, tip.pitch_deg, tip.yaw_deg, states.nail_mm)
     came_in = came_over_edge(before.motion, place_mm, now_us, profile.surface)
     speed_mm_s = before.motion.speed_mm_s
-    detector = detect(before.detector, seen, now_us, speed_mm_s, settings, came_in)
+    detector = detect(before.detector, now.evidence, now_us, speed_mm_s, settings, came_in, beside)
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
     pointer = describe(before.id, before.slot, tip, signal, detector, bounced.contact, states)
     motion = follow(before.motion, pointer, now_us)
@@ -120,6 +148,16 @@ def follow_finger(before: Track, number: int, scene: Scene) -> Track | None:
         debounce=bounced,
         motion=motion,
     )
+
+
+def _rise_beside(finger: Measurement | None, others: Sequence[Measurement | None]) -> float:
+    """Return the highest rise of the fingers whose halos reach one, at least 0."""
+    rises = [0.0]
+    for each in others:
+        if finger and each and each is not finger:
+            apart_mm = math.dist(each.found.tip.pad_mm, finger.found.tip.pad_mm)
+            rises += [each.rise] if apart_mm < NEIGHBOUR_MM else []
+    return max(rises)
 
 
 def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:

@@ -19,10 +19,10 @@ from halo_service.virtual.optics import WIDEST_SHADOW_PX
 Read = NDArray[np.uint16]
 
 READS = 16
-"""Images of the empty room that return in turn, each half a second later."""
-RENEWED = 8
+"""Images of the empty room that return in turn: each half a second later at 30 frames a second."""
+RENEWED = 9
 """One of so many frames replaces the oldest image: a mean over seconds has no lasting error, and
-images follow the drift."""
+images follow the drift. It shares no factor with `READS`, so each image is replaced in its turn."""
 
 
 class LiveElectronics(Electronics):

@@ -11,7 +11,7 @@ from halo_service.values import Finger, Frame, Side
 from halo_service.virtual.bodies import cup
 from halo_service.virtual.clock import START_US
 from halo_service.virtual.hand import pointing
-from halo_service.virtual.live_noise import READS
+from halo_service.virtual.live_noise import READS, RENEWED
 from halo_service.virtual.materials import MATERIALS
 from halo_service.virtual.noise import DRIFT_MM
 from halo_service.virtual.offline import SimulatedRecording, frames
@@ -80,6 +80,21 @@ def test_without_noise_live_depth_is_that_of_full_quality():
         moment = scenario.at(2.0 + k / 30.0)
         one, other = (sensor.frame(k, moment.hands, moment.things) for sensor in (full, live))
         assert np.array_equal(one.depth, other.depth)
+        if k < READS:  # infrared is noisy all the same; afterwards its images return
+            assert np.array_equal(one.ir, other.ir)
+
+
+def test_every_image_of_the_live_room_is_replaced_and_follows_the_drift():
+    room = Room(**KIND_ROOM, noise=0.0)
+    full, live = (Sensor(room, colour_times=0, live=live) for live in (False, True))
+    hour_us = 3_600_000_000
+    for k in range(READS):
+        live.frame(k)  # cold
+    for k in range(READS * RENEWED):
+        live.frame(hour_us + k)
+    warm = full.frame(hour_us).depth
+    for k in range(READS):
+        assert np.array_equal(live.frame(hour_us + k).depth, warm)
 
 
 def test_live_frames_have_the_noise_of_full_quality():

@@ -36,6 +36,9 @@ FOUND_MM, FOUND_COST = 250.0, 12.0
 """Greatest distance at which a finger that no node sees well is found again by its name, and the
 cost: a hand at 2 m/s moves so far in four frames, and a finger within the gate costs less."""
 IMPOSSIBLE = 1e6
+NEW_US = 300_000
+"""A finger that is found again has a second track for less time (chosen: nine frames). Two tracks
+that last are the fingers of two people."""
 APART_US = 200_000
 """Time after which a report outside of the gate is of another finger."""
 ONE_GATE = 2.0
@@ -62,7 +65,8 @@ def doubles(tracks: Sequence[Track], time_us: int) -> Iterator[tuple[Track, Trac
     seen = sorted((each for each in tracks if each.members), key=lambda each: each.id)
     for older, younger in combinations(seen, 2):
         away_mm = _distance_mm(older, younger, time_us)
-        again = away_mm < FOUND_MM and _finds_again(older, younger.blend.best())
+        new = time_us - min(younger.first_us.values(), default=0) < NEW_US
+        again = new and away_mm < FOUND_MM and _finds_again(older, younger.blend.best())
         if again or (away_mm <= GATE_MM and _is_one(older, younger, away_mm, time_us)):
             yield older, younger
 

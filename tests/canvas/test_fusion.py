@@ -76,6 +76,15 @@ def test_a_finger_that_is_seen_well_stays_where_it_is() -> None:
     assert {(each.id, round(each.x_mm)) for each in seen} == {(1, 180), (2, 290)}
 
 
+def test_the_fingers_of_two_people_stay_two_while_one_is_seen_badly() -> None:
+    table = Table()
+    for _ in range(30):
+        table.sees(LEFT, finger(60.0, 0.9), finger(200.0, 0.9, id=8))
+    for _ in range(4):
+        seen = table.sees(LEFT, finger(60.0, 0.1), finger(200.0, 0.9, id=8))
+        assert [(each.id, round(each.x_mm)) for each in seen] == [(1, 60), (2, 200)]
+
+
 def test_what_remains_of_a_finger_at_its_old_place_is_no_second_finger(table: Table) -> None:
     for confidence in (0.3, 0.2, 0.1):
         seen = table.sees(LEFT, finger(20.0, confidence), finger(120.0, 0.9, id=8))

@@ -61,7 +61,7 @@ class Lens:
     def distorted(self, x: Points, y: Points) -> tuple[Points, Points]:
         """Map (N,) x and y of directions with z = 1 to (N,) columns and rows, px.
 
-        The same numbers as OpenCV's, bit for bit.
+        The same numbers as OpenCV's, bit for bit on x86-64.
         """
         k1, k2, p1, p2, k3, k4, k5, k6 = self.distortion
         r2 = x * x + y * y

@@ -170,8 +170,8 @@ def _is_replaced(
 ) -> bool:
     """Return whether this finger was detected elsewhere for long: a hand has only one of it.
 
-    By a `new` detection of its side, or by one of its side and of the hand that it is on. A finger
-    of the other side is next to that hand: people type so.
+    By a `new` detection of its side, or by one of the hand that it is on. A finger of the opposite
+    side is only next to that hand: people type so.
     """
     return (
         not detected
@@ -179,11 +179,17 @@ def _is_replaced(
         and any(
             other.finger is finger.detection.finger
             and other.time_us - finger.detection.time_us > REPLACED_US
-            and other.side is finger.side
-            and (other in new or _is_on_hand(finger, other))
+            and (
+                (other in new and other.side is finger.side)
+                or (_is_on_hand(finger, other) and not _are_opposite(finger, other))
+            )
             for other in detections
         )
     )
+
+
+def _are_opposite(finger: Track, other: Detection) -> bool:
+    return {finger.side, other.side} == {Side.LEFT, Side.RIGHT}
 
 
 def _is_on_hand(finger: Track, other: Detection) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from halo_service.profile import TouchStates
 from halo_service.sensing.hover import own_height
-from halo_service.sensing.states import at_calibrated_pitch, span, values_of
+from halo_service.sensing.states import between, span, values_of
 from halo_service.values import Finger, Fingertip, Signal
 
 CONTACT_LEVEL = 0.5
@@ -49,7 +49,7 @@ WAITING_LEVEL, WAITING_DEVIATION = 0.75, 0.4
 """A waiting finger's level above the hover state's, and its standard deviation: people wait at 5 to
 15 mm (on virtual open hands it is 0.3; chosen higher, because a weaker halo also rises less)."""
 LEAST_HALO = 0.3
-"""Of the hover state's: a finger with less is too high to tell (chosen)."""
+"""Of the hover state's: a finger with less is too high to judge (chosen)."""
 CROSSTALK = 0.4
 """Share of a neighbour's rise that shows at another finger, and its standard deviation (chosen; on
 virtual open hands it is 0 to 0.2, and 0.7 from middle to ring finger at one user of five)."""
@@ -77,18 +77,17 @@ class Evidence:
 def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     """Return what a frame shows."""
     scale = span(signal, states.subtle, states.touch)
-    values = at_calibrated_pitch(signal, states.subtle)
     deviation = math.hypot(min(scale.deviation, VAGUE_DEVIATION), LEVEL_DEVIATION)
     height_mm, height_deviation_mm = own_height(tip, states)
     calibrated = tip.finger is Finger.INDEX
     if not calibrated:
         height_deviation_mm = math.inf
     return Evidence(
-        scale.at(values),
+        between(signal, states.subtle, states.touch),
         deviation,
         height_mm,
         height_deviation_mm,
-        scale.at([0.0] * len(values)),
+        scale.at([0.0] * len(values_of(states.subtle))),
         scale.at(values_of(states.hover)),
         calibrated,
     )

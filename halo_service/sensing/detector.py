@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from halo_service.sensing.contact import CONTACT_LEVEL, Evidence, contact_probability
+from halo_service.sensing.contact import Evidence, contact_level, contact_probability
 from halo_service.sensing.settings import SensingSettings
 
 FRAME_US = 33_333
@@ -67,6 +67,7 @@ def detect(
     frames = max(time_us - before.time_us, 1) / FRAME_US
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
     rose = before.rose * FADES**frames
+    meets, _ = contact_level(seen, before.rest, beside)
     probability = contact_probability(seen, rise, rose, before.lowest_mm, before.rest, beside)
     apart = before.was_apart or came_in or probability < settings.down_level
     if before.touching:
@@ -80,7 +81,7 @@ def detect(
         level=seen.level,
         time_us=time_us,
         touching=touching,
-        ago_us=round((time_us - before.time_us) * _since(before.level, seen.level))
+        ago_us=round((time_us - before.time_us) * _since(before.level, seen.level, meets))
         if changed
         else 0,
         rose=max(rise, rose),
@@ -95,8 +96,8 @@ def _lowest_mm(before_mm: float, height_mm: float) -> float:
     return min(known, default=math.nan)
 
 
-def _since(previous: float, level: float) -> float:
-    """Return the part of the frame's interval since the level crossed contact; 0 to 1."""
+def _since(previous: float, level: float, meets: float) -> float:
+    """Return the part of the frame's interval since the level was at contact; 0 to 1."""
     if level == previous:
         return 0.0
-    return min(max((level - CONTACT_LEVEL) / (level - previous), 0.0), 1.0)
+    return min(max((level - meets) / (level - previous), 0.0), 1.0)

@@ -1,7 +1,7 @@
 """How far the hand around a fingertip moved between two frames, by registration of their images.
 
 A finger at rest is fast one frame later, and no prediction from its past knows that. The images do:
-what stands above the surface around a fingertip is searched in the next frame. The finger's own
+what is above the surface around a fingertip is searched in the next frame. The finger's own
 movement relative to its hand is slow; the measured tip corrects it.
 """
 
@@ -42,7 +42,7 @@ two hands cross, both fit (chosen: the hardest start of a hand, 24 mm, is worth 
 NEAR = 2
 """Cells around the likeliest place in which the best fit is the way."""
 REMEMBERED = 8
-"""Maps: the slowest tracker's delay at 30 frames a second."""
+"""Frames: the slowest tracker's delay at 30 frames a second."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

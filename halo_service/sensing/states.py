@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from halo_service.profile import TouchState, TouchStates
+from halo_service.profile import TouchState
 from halo_service.values import Signal
 
 LEAST_DEVIATION = 0.01
@@ -71,11 +71,6 @@ def between(signal: Signal, lower: TouchState, upper: TouchState) -> float:
 def at_calibrated_pitch(signal: Signal, state: TouchState) -> tuple[float, ...]:
     """Return the readings that a state has, as they would be at the pitch of the calibration."""
     return tuple(each / signal.at_pitch for each in _values(signal, state))
-
-
-def touch_level(signal: Signal, states: TouchStates) -> float:
-    """Return 0 at the subtle state, 1 at touch; linear beyond both ends."""
-    return between(signal, states.subtle, states.touch)
 
 
 def values_of(state: TouchState) -> tuple[float, ...]:

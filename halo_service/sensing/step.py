@@ -108,6 +108,8 @@ def measure_finger(before: Track, number: int, scene: Scene) -> Measurement | No
     """Measure one finger in the present frame; None if it does not show."""
     states = scene.profile.states(before.side)
     assert states is not None  # `step` senses only with a complete profile
+    if is_abandoned(before, scene.frame.time_us):
+        return None
     found = find(before, number, scene, states)
     if found is None:
         return None
@@ -152,12 +154,15 @@ def follow_finger(
 
 def _rise_beside(finger: Measurement | None, others: Sequence[Measurement | None]) -> float:
     """Return the highest rise of the fingers whose halos reach one, at least 0."""
-    rises = [0.0]
-    for each in others:
-        if finger and each and each is not finger:
-            apart_mm = math.dist(each.found.tip.pad_mm, finger.found.tip.pad_mm)
-            rises += [each.rise] if apart_mm < NEIGHBOUR_MM else []
-    return max(rises)
+    if finger is None:
+        return 0.0
+    pad_mm = finger.found.tip.pad_mm
+    beside = (
+        each.rise
+        for each in others
+        if each and each is not finger and math.dist(each.found.tip.pad_mm, pad_mm) < NEIGHBOUR_MM
+    )
+    return max(max(beside, default=0.0), 0.0)
 
 
 def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:
@@ -171,13 +176,13 @@ def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Sig
 def adopt(state: State, profile: Profile) -> State:
     """Continue with another profile. Fingers start again in the air, so a touch gets its up."""
     fingers = tuple(replace(finger, detector=None) for finger in state.fingers)
-    return replace(state, profile=profile, fingers=fingers, drift=Drift())
+    return replace(state, profile=profile, fingers=fingers, maps=(), drift=Drift())
 
 
 def clear(state: State, time_us: int) -> tuple[TouchFrame, State]:
     """Release all pointers, for a frame that cannot be sensed."""
     events = [event for finger in state.fingers for event in changes(finger, None)]
-    return _frame(state, time_us, (), events), replace(state, fingers=())
+    return _frame(state, time_us, (), events), replace(state, fingers=(), maps=())
 
 
 def _frame(

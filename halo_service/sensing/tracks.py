@@ -27,7 +27,7 @@ from halo_service.sensing.kalman import (
 )
 from halo_service.sensing.label_pixels import Prediction
 from halo_service.sensing.pointers import Motion
-from halo_service.sensing.registration import HeightMap, shift_px
+from halo_service.sensing.registration import REMEMBERED, HeightMap, shift_px
 from halo_service.sensing.settings import SensingSettings
 from halo_service.values import Fingertip, Pointer, Side, TouchEvent
 
@@ -41,8 +41,6 @@ thickness)."""
 SHIFT_MM = 2.0
 """Standard deviation of a fingertip's way from frame to frame, by its hand's (measured on the
 virtual camera: 0.6 mm at the median, 3 in one frame of a hundred)."""
-REMEMBERED = 8
-"""Past states per track: the slowest tracker's delay at 30 frames a second."""
 CLAIM_US = 150_000
 """Greatest age of a detection that gives a finger's place (chosen: a slow tracker's delay)."""
 BESIDE_MM = 12.0

@@ -1,4 +1,4 @@
-"""Contacts of fingers that nobody calibrated: only the index finger held the four states."""
+"""Contacts of fingers that were not calibrated: only the index finger held the four states."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ def test_what_rises_because_its_neighbour_touches_does_not_touch() -> None:
 
 
 @pytest.mark.parametrize("level", [-0.5, 0.2, 0.8, 1.5])
-def test_the_calibrated_finger_needs_no_rest_and_hears_no_neighbour(level: float) -> None:
+def test_the_calibrated_finger_needs_no_rest_and_ignores_its_neighbours(level: float) -> None:
     alone = contact_probability(seen(level, calibrated=True), 0.0)
     assert contact_probability(seen(level, calibrated=True), 0.0, rest=-0.3, beside=3.0) == alone
 
 
 @pytest.mark.parametrize("waiting", [NO_HALO, NO_HALO - 1.0])
 @pytest.mark.parametrize("rest", [math.nan, -9.0, NO_HALO, 0.0])
-def test_a_hover_state_without_a_halo_tells_nothing(waiting: float, rest: float) -> None:
+def test_a_hover_state_without_a_halo_is_ignored(waiting: float, rest: float) -> None:
     assert contact_level(seen(0.0, waiting=waiting), rest) == (0.5, pytest.approx(0.8))

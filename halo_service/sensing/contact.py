@@ -93,17 +93,17 @@ def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     )
 
 
-def contact_level(seen: Evidence, rest: float, beside: float = 0.0) -> tuple[float, float]:
+def contact_level(seen: Evidence, rest: float, neighbour_rise: float = 0.0) -> tuple[float, float]:
     """Return the level at which a finger meets the surface, and its standard deviation.
 
     Only the index finger is calibrated. Another one reads higher or lower, which shows while it
     waits above the surface, and its neighbours' halos reach it. `rest`: its level while it waits,
-    nan where unknown; `beside`: how far a neighbour's level is above its rest.
+    nan where unknown; `neighbour_rise`: how far a neighbour's level is above its rest.
     """
     if seen.calibrated:
         return CONTACT_LEVEL, 0.0
     offset, deviation = _offset(seen, rest)
-    crosstalk = CROSSTALK * beside
+    crosstalk = CROSSTALK * neighbour_rise
     return CONTACT_LEVEL + offset + crosstalk, math.hypot(deviation, crosstalk)
 
 
@@ -123,15 +123,15 @@ def contact_probability(
     before: float = 0.0,
     lowest_mm: float = math.nan,
     rest: float = math.nan,
-    beside: float = 0.0,
+    neighbour_rise: float = 0.0,
 ) -> float:
     """Return the probability that a finger touches.
 
     `rise`: of the level, in one frame; `before`: how fast it rose in the frames before;
     `lowest_mm`: of its heights in this touch, nan where it does not touch; `rest`,
-    `beside`: see `contact_level`.
+    `neighbour_rise`: see `contact_level`.
     """
-    meets, deviation = contact_level(seen, rest, beside)
+    meets, deviation = contact_level(seen, rest, neighbour_rise)
     deviation = math.hypot(seen.deviation, deviation)
     odds = PRIOR_ODDS if seen.calibrated else 0.0
     odds += LEVEL_ODDS * _sigmas(seen.level - meets, deviation)

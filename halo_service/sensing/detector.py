@@ -52,13 +52,13 @@ def detect(
     speed_mm_s: float,
     settings: SensingSettings,
     came_in: bool = False,
-    beside: float = 0.0,
+    neighbour_rise: float = 0.0,
 ) -> Detector:
     """Advance a detector by one frame.
 
     `before`: None for a finger that was just found; it does not touch until it comes down, or
     `came_in`: it slides in over the surface's edge, maybe from another camera's surface;
-    `beside`: how far a neighbour's level is above its rest.
+    `neighbour_rise`: how far a neighbour's level is above its rest.
     """
     if before is None:
         probability = contact_probability(seen, 0.0)
@@ -67,8 +67,10 @@ def detect(
     frames = max(time_us - before.time_us, 1) / FRAME_US
     rise = (seen.level - before.level) / frames if frames < GAP_FRAMES else 0.0
     rose = before.rose * FADES**frames
-    meets, _ = contact_level(seen, before.rest, beside)
-    probability = contact_probability(seen, rise, rose, before.lowest_mm, before.rest, beside)
+    meets, _ = contact_level(seen, before.rest, neighbour_rise)
+    probability = contact_probability(
+        seen, rise, rose, before.lowest_mm, before.rest, neighbour_rise
+    )
     apart = before.was_apart or came_in or probability < settings.down_level
     if before.touching:
         touching = probability >= settings.up_level

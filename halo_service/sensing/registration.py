@@ -47,7 +47,7 @@ REMEMBERED = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightMap:
-    """What stands above the surface in one frame, coarsely."""
+    """What is above the surface in one frame, coarsely."""
 
     time_us: int
     cells: NDArray[np.float32]
@@ -74,8 +74,7 @@ def shift_px(
 ) -> Pixel | None:
     """Return how far the hand at a place in the first map moved until the second one.
 
-    `expected_px`: by its velocity. None where nothing stands above the surface, or where it is
-    gone.
+    `expected_px`: by its velocity. None where nothing is above the surface, or where it is gone.
     """
     column, row = (round(each / now.cell_px) + PAD for each in place_px)
     sought = before.cells[_around(row, AROUND), _around(column, AROUND)]

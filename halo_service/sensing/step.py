@@ -82,7 +82,7 @@ def step(state: State, frame: Frame, tracked: Tracked | None) -> tuple[TouchFram
     fingers: list[Track] = []
     events: list[TouchEvent] = []
     for before, now in zip(tracks, measurements, strict=True):
-        finger = follow_finger(before, now, _rise_beside(now, measurements), scene)
+        finger = follow_finger(before, now, _neighbour_rise(now, measurements), scene)
         events += changes(before, finger)
         if finger is not None:
             fingers.append(finger)
@@ -120,9 +120,12 @@ def measure_finger(before: Track, number: int, scene: Scene) -> Measurement | No
 
 
 def follow_finger(
-    before: Track, now: Measurement | None, beside: float, scene: Scene
+    before: Track, now: Measurement | None, neighbour_rise: float, scene: Scene
 ) -> Track | None:
-    """Return a finger after the present frame; None if it is gone. `beside`: see `detect`."""
+    """Return a finger after the present frame; None if it is gone.
+
+    `neighbour_rise`: see `detect`.
+    """
     profile, settings, now_us = scene.profile, scene.settings, scene.frame.time_us
     if is_abandoned(before, now_us):
         return None
@@ -133,7 +136,9 @@ def follow_finger(
     place_mm = pad_under_nail(tip.pad_mm, tip.pitch_deg, tip.yaw_deg, states.nail_mm)
     came_in = came_over_edge(before.motion, place_mm, now_us, profile.surface)
     speed_mm_s = before.motion.speed_mm_s
-    detector = detect(before.detector, now.evidence, now_us, speed_mm_s, settings, came_in, beside)
+    detector = detect(
+        before.detector, now.evidence, now_us, speed_mm_s, settings, came_in, neighbour_rise
+    )
     bounced = debounce(before.debounce, detector.touching, detector.ago_us, now_us)
     pointer = describe(before.id, before.slot, tip, signal, detector, bounced.contact, states)
     motion = follow(before.motion, pointer, now_us)
@@ -152,17 +157,17 @@ def follow_finger(
     )
 
 
-def _rise_beside(finger: Measurement | None, others: Sequence[Measurement | None]) -> float:
+def _neighbour_rise(finger: Measurement | None, others: Sequence[Measurement | None]) -> float:
     """Return the highest rise of the fingers whose halos reach one, at least 0."""
     if finger is None:
         return 0.0
     pad_mm = finger.found.tip.pad_mm
-    beside = (
+    rises = (
         each.rise
         for each in others
         if each and each is not finger and math.dist(each.found.tip.pad_mm, pad_mm) < NEIGHBOUR_MM
     )
-    return max(max(beside, default=0.0), 0.0)
+    return max(max(rises, default=0.0), 0.0)
 
 
 def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Signal:

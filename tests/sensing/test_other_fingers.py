@@ -19,14 +19,14 @@ def seen(level: float, calibrated: bool = False, waiting: float = WAITING) -> Ev
     return Evidence(level, 0.3, no_halo=NO_HALO, waiting=waiting, calibrated=calibrated)
 
 
-def touches(*levels: float, beside: float = 0.0, calibrated: bool = False) -> list[bool]:
+def touches(*levels: float, neighbour_rise: float = 0.0, calibrated: bool = False) -> list[bool]:
     """Feed levels to a detector, one a frame, the last one twice, after a second at the first."""
     detector: Detector | None = None
     result = []
     for n, level in enumerate([*[levels[0]] * 30, *levels, levels[-1]]):
-        rising = beside if level > levels[0] else 0.0
+        rising = neighbour_rise if level > levels[0] else 0.0
         shown = seen(level, calibrated)
-        detector = detect(detector, shown, n * FRAME_US, 0.0, SETTINGS, beside=rising)
+        detector = detect(detector, shown, n * FRAME_US, 0.0, SETTINGS, neighbour_rise=rising)
         result.append(detector.touching)
     return result
 
@@ -52,14 +52,17 @@ def test_a_finger_that_comes_from_high_above_and_hangs_does_not_touch() -> None:
 
 def test_what_rises_because_its_neighbour_touches_does_not_touch() -> None:
     assert touches(-2.0, -0.1)[-1]
-    assert not any(touches(-2.0, -0.1, beside=2.6))
-    assert touches(-2.0, 1.6, beside=2.6)[-1]  # both touch
+    assert not any(touches(-2.0, -0.1, neighbour_rise=2.6))
+    assert touches(-2.0, 1.6, neighbour_rise=2.6)[-1]  # both touch
 
 
 @pytest.mark.parametrize("level", [-0.5, 0.2, 0.8, 1.5])
 def test_the_calibrated_finger_needs_no_rest_and_ignores_its_neighbours(level: float) -> None:
     alone = contact_probability(seen(level, calibrated=True), 0.0)
-    assert contact_probability(seen(level, calibrated=True), 0.0, rest=-0.3, beside=3.0) == alone
+    assert (
+        contact_probability(seen(level, calibrated=True), 0.0, rest=-0.3, neighbour_rise=3.0)
+        == alone
+    )
 
 
 @pytest.mark.parametrize("waiting", [NO_HALO, NO_HALO - 1.0])

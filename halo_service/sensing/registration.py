@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halo_service.profile import Background
-from halo_service.sensing.background import excess_depth
+from halo_service.sensing.background import excess_depth, thinned
 from halo_service.sensing.finger_frame import Pixel
 from halo_service.values import Depth
 
@@ -60,10 +60,9 @@ def height_map(
 ) -> HeightMap:
     """Return the map of a frame. `drift_mm`: see `excess_depth`; `px_per_mm`: on the surface."""
     cell_px = max(round(CELL_MM * px_per_mm), 1)
-    every = slice(None, None, cell_px)
-    excess_mm = excess_depth(depth, background, drift_mm, (every, every))
-    above_mm = np.minimum(-excess_mm, np.float32(HIGHEST_MM))
-    above_mm[above_mm < LOWEST_MM] = 0.0
+    seen, empty = depth[::cell_px, ::cell_px], thinned(background, cell_px)
+    above_mm = np.minimum(-excess_depth(seen, empty, drift_mm), np.float32(HIGHEST_MM))
+    above_mm *= above_mm >= LOWEST_MM
     heights = cv2.blur(above_mm, (3, 3))
     padded = cv2.copyMakeBorder(heights, PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
     return HeightMap(time_us, np.asarray(padded, np.float32), cell_px)

@@ -53,15 +53,18 @@ def region_picture(
     onto = to_picture(region)
     size = (SIZE_PX, SIZE_PX)
     height: Heights = np.asarray(cv2.warpAffine(height_mm, onto, size), np.float32)
-    tone = np.sqrt(cv2.warpAffine(ir, onto, size).astype(np.float32))
+    tone = np.sqrt(cv2.warpAffine(ir, onto, size), dtype=np.float32)
     hand = np.asarray(cv2.blur(height, (5, 5)) > LOW_MM)
     if np.count_nonzero(hand) < LEAST_PX:
         return None
     dark, bright = np.percentile(tone[hand], (2.0, 98.0))
     low, high = 0.6 * dark, 1.15 * bright
     tone = np.clip((tone - np.float32(low)) / np.float32(max(high - low, 1.0)), 0.0, 1.0) * TONES
+    picture = (DARK + DIM * tone).astype(np.uint8)
+    part = _around(hand)
+    hand, height, tone = hand[part], height[part], tone[part]
     bright_hand = tone + GROUND + SHADE * np.clip(height, 0.0, HIGHEST_MM) + _relief(height, hand)
-    picture = np.clip(np.where(hand, bright_hand, DARK + DIM * tone), 0, 255).astype(np.uint8)
+    np.copyto(picture[part], np.clip(bright_hand, 0, 255).astype(np.uint8), where=hand)
     for other in hidden:
         hull = cv2.convexHull(_in_picture(other.landmarks_px, region).astype(np.float32))
         outline = np.rint(hull).astype(np.int32)
@@ -69,6 +72,16 @@ def region_picture(
         around_px = 2.0 * AROUND_HAND_MM / REGION_MM * SIZE_PX
         cv2.polylines(picture, [outline], True, (DARK,), round(around_px))
     return picture
+
+
+def _around(hand: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """Return the rows and columns that hold a hand and all that its relief is compared with."""
+    left, top, width, height = cv2.boundingRect(hand.view(np.uint8))
+    beside, above = (each // 2 for each in RELIEF_PX)
+    return (
+        slice(max(top - above, 0), top + height + above),
+        slice(max(left - beside, 0), left + width + beside),
+    )
 
 
 def _relief(height_mm: Heights, hand: NDArray[np.bool_]) -> Heights:

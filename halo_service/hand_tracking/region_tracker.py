@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from halo_service.hand_tracking.blob_hand import hand_from_blob
@@ -72,8 +73,8 @@ class RegionTracker:
 
     def detect(self, frame: Frame) -> Tracked:
         """Find the hands in one frame, in its own pixels."""
-        measured = (frame.depth > 0) & self._valid
-        height_mm = np.where(measured, self._background_mm - frame.depth, np.float32(0.0))
+        height_mm = self._background_mm - frame.depth
+        height_mm *= (frame.depth > 0) & self._valid
         for slot in self._slots:
             if slot.hand is not None:
                 region = region_of_hand(slot.hand, self._px_per_mm)
@@ -141,7 +142,8 @@ class RegionTracker:
         picture = region_picture(height_mm, frame.ir, region, hidden)
         if picture is None:
             return None
-        found = slot.model.find(np.dstack([picture] * 3), frame.time_us).hands
+        rgb = np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB), np.uint8)
+        found = slot.model.find(rgb, frame.time_us).hands
         if not found:
             return None
         hand = Hand(found[0].side, in_image(found[0].landmarks_px, region), found[0].confidence)

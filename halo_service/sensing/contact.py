@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from halo_service.profile import TouchStates
 from halo_service.sensing.hover import own_height
-from halo_service.sensing.states import between, span, values_of
+from halo_service.sensing.states import at_calibrated_pitch, span, values_of
 from halo_service.values import Finger, Fingertip, Signal
 
 CONTACT_LEVEL = 0.5
@@ -83,7 +83,7 @@ def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     if not calibrated:
         height_deviation_mm = math.inf
     return Evidence(
-        between(signal, states.subtle, states.touch),
+        scale.at(at_calibrated_pitch(signal, states.subtle)),
         deviation,
         height_mm,
         height_deviation_mm,

@@ -9,7 +9,6 @@ has its own smooth curve over the place, with its uncertainty.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,7 @@ def strength(
 ) -> float:
     """Return how strong a touch's halo is there, relative to the calibration's place and angle."""
     axes = (correction.x_mm, correction.y_mm, correction.pitch_deg, correction.yaw_deg)
-    return _read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg))
+    return float(_read(correction.strength, axes, (x_mm, y_mm, pitch_deg, yaw_deg)))
 
 
 def leveled(
@@ -42,28 +41,30 @@ def leveled(
     """
     if correction is None or correction.readings is None or correction.deviations is None:
         return tuple(read), ()
-    axes = (correction.x_mm, correction.y_mm)
-    values = tuple(
-        each / _read(grid, axes, (x_mm, y_mm))
-        for each, grid in zip(read, correction.readings, strict=False)  # older states have none
-    )
-    return values, tuple(_read(grid, axes, (x_mm, y_mm)) for grid in correction.deviations)
+    axes, at = (correction.x_mm, correction.y_mm), (x_mm, y_mm)
+    grids = correction.readings, correction.deviations
+    expected, deviations = (_read(each.transpose(1, 2, 0), axes, at).tolist() for each in grids)
+    # Older states have fewer readings.
+    values = tuple(each / usual for each, usual in zip(read, expected, strict=False))
+    return values, tuple(deviations)
 
 
 def at_pitch(correction: Correction | None, pitch_deg: float) -> float:
     """Return what a pitch leaves of a touch's halo, relative to the calibration's."""
     if correction is None or correction.readings is None or correction.dent_by_pitch is None:
         return 1.0
-    return _read(correction.dent_by_pitch, (correction.pitch_deg,), (pitch_deg,))
+    return float(_read(correction.dent_by_pitch, (correction.pitch_deg,), (pitch_deg,)))
 
 
-def _read(values: Floats, axes: Sequence[Floats], at: Sequence[float]) -> float:
-    """Read a grid linearly between its points; outside, its edge values apply."""
-    read: Any = values
+def _read(grid: Floats, axes: Sequence[Floats], at: Sequence[float]) -> Floats:
+    """Read a grid linearly between its points; outside, its edge values apply.
+
+    `grid`: its first dimensions are the axes; returns the others, read at a place.
+    """
     for place, axis in zip(at, axes, strict=True):
         first, step = float(axis[0]), float(axis[1] - axis[0])
         index = min(max((place - first) / step, 0.0), len(axis) - 1.0)
         low = min(int(index), len(axis) - 2)
         share = np.float32(index - low)
-        read = read[low] + share * (read[low + 1] - read[low])
-    return float(read)
+        grid = grid[low] + share * (grid[low + 1] - grid[low])
+    return grid

@@ -73,23 +73,18 @@ def detections(
 
 def each_once(hands: tuple[Hand, ...], scale: Scale) -> tuple[Hand, ...]:
     """Remove what is not a hand, and a hand's second detection; the most confident hand first."""
-    kept: list[Hand] = []
+    kept: list[tuple[Hand, Pixel]] = []
     for hand in sorted(hands, key=lambda hand: -hand.confidence):
-        if not _is_hand(hand, scale):
+        marks = hand.landmarks_px
+        if not (np.abs(marks) < FARTHEST_PX).all():  # true for nan
             continue
-        palm = _palm(hand)
-        apart_px = SAME_PALM_MM * scale.px_per_mm(palm)
-        if all(math.dist(palm, _palm(other)) >= apart_px for other in kept):
-            kept.append(hand)
-    return tuple(kept)
-
-
-def _is_hand(hand: Hand, scale: Scale) -> bool:
-    """Return whether landmarks are valid places (never nan) and span a hand."""
-    marks = hand.landmarks_px
-    if not (np.abs(marks) < FARTHEST_PX).all():  # true for nan
-        return False
-    return float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_MM * scale.px_per_mm(_palm(hand))
+        palm = _pixel(marks[list(PALM)].mean(axis=0))
+        px_per_mm = scale.px_per_mm(palm)
+        spans = float(np.ptp(marks, axis=0).max()) >= LEAST_SPREAD_MM * px_per_mm
+        apart_px = SAME_PALM_MM * px_per_mm
+        if spans and all(math.dist(palm, other) >= apart_px for _, other in kept):
+            kept.append((hand, palm))
+    return tuple(hand for hand, _ in kept)
 
 
 def _detection(time_us: int, hand: Hand, finger: Finger, scale: Scale) -> Detection:
@@ -123,10 +118,6 @@ def _outermost(hand: Hand, finger: Finger) -> int:
     away = hand.landmarks_px[PALM[-1] if finger is Finger.THUMB else WRIST]
     joints = hand.landmarks_px[tip - 2 : tip + 1] - away
     return tip - 2 + int(np.argmax(np.hypot(joints[:, 0], joints[:, 1])))
-
-
-def _palm(hand: Hand) -> Pixel:
-    return _pixel(hand.landmarks_px[list(PALM)].mean(axis=0))
 
 
 def _pixel(point: NDArray[np.float64]) -> Pixel:

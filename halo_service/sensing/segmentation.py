@@ -63,7 +63,7 @@ class Segmentation:
 
     def within(self, place: FingerFrame) -> FingerFrame:
         """Return a finger's frame in these arrays."""
-        return place._replace(tip_px=self.inside(place.tip_px))
+        return FingerFrame(self.inside(place.tip_px), place.direction, place.px_per_mm)
 
     def cut(self, part: Part) -> Segmentation:
         """Return a part of this part; `part` in its own rows and columns."""
@@ -121,12 +121,18 @@ def infrared_silhouette(
         return None
     share = infrared[part] / np.maximum(background.infrared[part], np.float32(1.0))
     least = np.float32(max(DIFFERS, DIFFERS_SIGMAS * background.infrared_noise))
-    differs = np.abs(excess_mm) > FLAT_MM
-    for _ in range(2):  # the first level still holds the end of a touching finger
-        level = _mean_around(share, ~differs, round(AROUND_MM * px_per_mm) | 1)
-        differs |= np.abs(share - level) > least * level
+    around_px = round(AROUND_MM * px_per_mm) | 1
+    raised = np.abs(excess_mm) > FLAT_MM
+    level = _mean_around(share, ~raised, around_px)
+    # That level still holds the end of a touching finger.
+    raised |= np.abs(share - level) > least * level
+    level = _mean_around(share, ~raised, around_px)
     differs = np.abs(share - level) > least * level
-    clean = cv2.medianBlur(differs.astype(np.uint8), 3)
+    # A median of 3 x 3: in a mask that is where five or more of nine differ, and costs a quarter.
+    near = cv2.boxFilter(
+        differs.view(np.uint8), -1, (3, 3), normalize=False, borderType=cv2.BORDER_REPLICATE
+    )
+    clean = (near > 4).view(np.uint8)
     width_px = round(BETWEEN_MM * px_per_mm) | 1
     return np.asarray(
         cv2.morphologyEx(clean, cv2.MORPH_CLOSE, np.ones((width_px, width_px), np.uint8)) > 0
@@ -137,6 +143,7 @@ def _mean_around(
     image: NDArray[np.float32], seen: NDArray[np.bool_], width_px: int
 ) -> NDArray[np.float32]:
     """Return the mean of what is seen in a square around each pixel."""
-    weight, size = seen.astype(np.float32), (width_px, width_px)
-    share = np.maximum(cv2.blur(weight, size), np.float32(LEAST_FLAT))
-    return np.asarray(cv2.blur(image * weight, size) / share, np.float32)
+    size, least = (width_px, width_px), np.float32(LEAST_FLAT * width_px**2)
+    count = cv2.boxFilter(seen.view(np.uint8), cv2.CV_32F, size, normalize=False)
+    total = cv2.boxFilter(image * seen, cv2.CV_32F, size, normalize=False)
+    return np.asarray(total / np.maximum(count, least), np.float32)

@@ -149,12 +149,12 @@ def is_hidden(segmentation: Segmentation, place: FingerFrame) -> bool:
     hidden = segmentation.hidden
     if hidden is None:
         return False
-    seen = nearest(hidden.astype(np.float32), segmentation.within(place), NAIL, 0.0)
+    seen = nearest(hidden.view(np.uint8), segmentation.within(place), NAIL, 0.0)
     return bool(seen.any())
 
 
 def _breadth_mm(mask: NDArray[np.bool_], place: FingerFrame) -> float:
-    seen = nearest(mask.astype(np.float32), place, BEHIND, 0.0)
+    seen = nearest(mask.view(np.uint8), place, BEHIND, 0.0)
     return float(np.median(np.count_nonzero(seen, axis=1)))
 
 

@@ -10,7 +10,6 @@ nor surface there, but nothing known.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 
 import cv2
@@ -68,11 +67,12 @@ def without_others(
     ahead = own[-1] + (own[-1] - own[-2]) * AHEAD_MM * detection.px_per_mm / max(
         math.dist(own[-1], own[-2]), 1.0
     )
-    lines = [np.vstack([own, ahead])]
+    lines = [(*own, ahead)]
     if place is not None:
         there = segmentation.within(place)
-        lines.append(np.array([own[1], there.tip_px, there.moved(AHEAD_MM).tip_px]))
-    own_away, others_away = _away(lines, shape), _away(others, shape)
+        expected = own[1], there.tip_px, there.moved(AHEAD_MM).tip_px
+        lines.append((*expected, expected[-1], expected[-1]))  # as many points as the other
+    own_away, others_away = _away(np.array(lines), shape), _away(others, shape)
     mine = own_away <= others_away
     clearly_mine = own_away <= CLEARLY * others_away
     nearer = (others_away - own_away) / np.float32(BONES_MM * detection.px_per_mm)
@@ -85,7 +85,7 @@ def without_others(
     shown = ~_hidden(segmentation, labels, detection.px_per_mm)
     return replace(
         segmentation,
-        excess_mm=np.where(shown, segmentation.excess_mm, np.float32(0.0)),
+        excess_mm=segmentation.excess_mm * shown,
         halo=segmentation.halo & mine & shown,
         hand=segmentation.hand & clearly_mine & shown & ~beyond,
         free=segmentation.free & mine & shown,
@@ -106,16 +106,16 @@ def _bones(
     return fingers[own], np.delete(fingers, own, axis=0)
 
 
-def _away(lines: Iterable[Bones], shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Return how far each pixel is from the nearest of some lines, px."""
+def _away(lines: Bones, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Return how far each pixel is from the nearest of some lines, (lines, points, 2); px."""
     off = ~_drawn(lines, shape)
     return np.asarray(cv2.distanceTransform(off.view(np.uint8), cv2.DIST_L2, 3), np.float32)
 
 
-def _drawn(lines: Iterable[Bones], shape: tuple[int, ...]) -> Mask:
+def _drawn(lines: Bones, shape: tuple[int, ...]) -> Mask:
     canvas = np.zeros(shape, np.uint8)
-    points = [np.rint(np.clip(line, -FAR_PX, FAR_PX) * 16.0).astype(np.int32) for line in lines]
-    cv2.polylines(canvas, points, False, (1,), shift=4)
+    points = np.rint(np.clip(lines, -FAR_PX, FAR_PX) * 16.0).astype(np.int32)
+    cv2.polylines(canvas, tuple(points), False, (1,), shift=4)
     return canvas.view(np.bool_)
 
 
@@ -124,7 +124,7 @@ def _by_steps(segmentation: Segmentation, own: Bones, others: Bones) -> NDArray[
     shape = segmentation.hand.shape
     mine = _drawn(_first(own)[None], shape)
     theirs = _drawn(_first(others), shape)
-    labels = np.where(segmentation.free, SURFACE, 0).astype(np.int32)
+    labels = segmentation.free * np.int32(SURFACE)
     labels[mine & ~theirs] = OWN
     labels[theirs & ~mine] = OTHER
     heights = (-segmentation.excess_mm - np.float32(LOWEST_MM)) * np.float32(PER_MM)

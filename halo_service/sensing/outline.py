@@ -100,13 +100,13 @@ def outline(
     share = np.float32(1.0) if part.share is None else part.share
     own = measured & (part.free | (share > LEAST_SHARE))
     # What infrared shows stands out, whatever its depth reads.
-    standing_mm = part.excess_mm - np.float32(SOLID_MM) * part.solid
-    finger = stands_out(np.where(measured, standing_mm, np.float32(0.0)), guess.px_per_mm)
-    mask = np.where(finger, 2.0 * share - 1.0, -1.0).astype(np.float32) * measured
+    standing_mm: Excess = part.excess_mm - np.float32(SOLID_MM) * part.solid
+    finger = stands_out(standing_mm * measured, guess.px_per_mm)
+    mask = (np.float32(2.0) * share * finger - 1.0) * measured
     fit = fit_finger(mask, part.within(guess), radius_mm)
     if fit is None:
         return None
-    excess = np.where(own, standing_mm, np.float32(0.0))
+    excess = standing_mm * own
     layers = np.asarray(cv2.merge([excess, own.astype(np.float32)]), dtype=np.float32)
     view = _View(layers, np.where(finger & own, excess, np.float32(NO_RIDGE)))
     found = _refined(view, fit.place, guess, radius_mm)

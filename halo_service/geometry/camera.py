@@ -87,7 +87,8 @@ class Lens:
         rays[:, :2] = flat.reshape(-1, 2)
         # Beyond the lens's image circle the iteration ends anywhere: neighbours would be far apart.
         wrong = ~(np.abs(self.project(rays) - px).max(axis=1) < UNDISTORTED_PX)  # nan is wrong too
-        rays[wrong, :2] = (px[wrong] - (self.cx, self.cy)) / (self.fx, self.fy)
+        if wrong.any():
+            rays[wrong, :2] = (px[wrong] - (self.cx, self.cy)) / (self.fx, self.fy)
         return rays
 
 

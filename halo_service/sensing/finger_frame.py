@@ -26,14 +26,14 @@ class FingerFrame(NamedTuple):
         """Return the frame of a tip so far along this finger and across it."""
         along, across = along_mm * self.px_per_mm, across_mm * self.px_per_mm
         (x, y), (dx, dy) = self.tip_px, self.direction
-        return self._replace(
-            tip_px=(x + along * dx - across * dy, y + along * dy + across * dx),
-        )
+        tip_px = x + along * dx - across * dy, y + along * dy + across * dx
+        return FingerFrame(tip_px, self.direction, self.px_per_mm)
 
     def turned(self, radians: float) -> FingerFrame:
         """Return the frame of a finger that points so far to the right of this one."""
         (dx, dy), cosine, sine = self.direction, math.cos(radians), math.sin(radians)
-        return self._replace(direction=(cosine * dx - sine * dy, sine * dx + cosine * dy))
+        direction = cosine * dx - sine * dy, sine * dx + cosine * dy
+        return FingerFrame(self.tip_px, direction, self.px_per_mm)
 
     def away_mm(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Return how far pixels are along this finger from its tip, and across it, mm."""

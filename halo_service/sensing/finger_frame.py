@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -66,7 +66,7 @@ def blended(image: Floats, place: FingerFrame, at: Grid) -> Floats:
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_LINEAR))
 
 
-def nearest(image: Floats, place: FingerFrame, at: Grid, outside: float) -> Floats:
+def nearest(image: NDArray[Any], place: FingerFrame, at: Grid, outside: float) -> NDArray[Any]:
     """Read the nearest pixels, and a value outside."""
     x, y = _pixels(place, at)
     return np.asarray(cv2.remap(image, x, y, cv2.INTER_NEAREST, borderValue=(outside,)))

@@ -98,9 +98,10 @@ def _ridge(
     depth: Depth, segmentation: Segmentation, place: FingerFrame
 ) -> tuple[Floats, Floats] | None:
     """Return the ridge's pixels (N, 2), tip first, and their depths (N,), mm; None if too few."""
-    around = depth[segmentation.rows, segmentation.columns]
-    finger = np.where(np.logical_and(around, segmentation.hand), around, np.float32(FAR))
-    seen = nearest(finger, segmentation.within(place), AT, FAR)
+    there = segmentation.within(place)
+    read = nearest(depth[segmentation.rows, segmentation.columns], there, AT, 0.0)
+    own = nearest(segmentation.hand.view(np.uint8), there, AT, 0.0)
+    seen = np.where(np.logical_and(read, own), read, np.float32(FAR))
     crest = (seen <= seen.min(axis=1)[:, None] + np.float32(CREST_MM)) & (seen < FAR)
     count = np.count_nonzero(crest, axis=1)
     rows = count >= LEAST_MM

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from halo_service.profile import Profile
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.correction import correct
-from halo_service.sensing.detections import detections
-from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.detections import Detection, detections
+from halo_service.sensing.finger_frame import FingerFrame, unit
 from halo_service.sensing.fingertips import locate
+from halo_service.sensing.label_pixels import window
 from halo_service.sensing.nail import halo_behind_mm
 from halo_service.sensing.neighbours import without_others
 from halo_service.sensing.readings import readings
@@ -25,6 +26,8 @@ DetectHands = Callable[[Frame], Tracked]
 
 THICKNESS_MM = 13.0
 """Chosen: a fingertip from pad to nail, where none was measured."""
+REACH_MM = 130.0
+"""Half the window around the tip: a hand from its wrist, so that all its fingers are in it."""
 LINE_PX = 15
 """How far beyond the tip the finger's line is followed (chosen: the halo's reach)."""
 
@@ -80,10 +83,8 @@ class Observer:
         """Return the surest hand's index finger, or None."""
         profile = self._profile
         scale = Scale(frame.depth, profile)
-        excess = excess_depth(frame.depth, profile.background, self._drift.offset_mm)
+        drift_mm = self._drift.offset_mm
         self._drift = follow_drift(self._drift, frame.depth, profile.background, frame.time_us)
-        solid = infrared_silhouette(frame.ir, profile.background, excess, scale.on_surface)
-        segmentation = segment(excess, self._settings, profile.halo_threshold_mm, solid)
         seen = [
             each
             for each in detections(self._detect(frame), scale)
@@ -92,6 +93,9 @@ class Observer:
         if not seen:
             return None
         detection = max(seen, key=lambda each: each.confidence)
+        segmentation = self._around(detection, frame, scale.on_surface, drift_mm)
+        if segmentation.hand.size == 0:
+            return None
         segmentation = without_others(segmentation, detection)
         tip = locate(detection, segmentation, frame.depth, profile, THICKNESS_MM)
         raw, *depths_mm = readings(segmentation, tip, profile)
@@ -109,6 +113,18 @@ class Observer:
             tip.width_mm,
             halo_behind_mm(segmentation, tip, profile),
         )
+
+    def _around(
+        self, detection: Detection, frame: Frame, px_per_mm: float, drift_mm: float
+    ) -> Segmentation:
+        """Segment what is around a finger."""
+        background, (depth, infrared) = self._profile.background, (frame.depth, frame.ir)
+        tip = FingerFrame(detection.tip_px, (0.0, -1.0), px_per_mm)
+        rows, columns = part = window(tip, depth.shape, REACH_MM)
+        excess_mm = excess_depth(depth, background, drift_mm, part)
+        solid = infrared_silhouette(infrared, background, excess_mm, px_per_mm, part)
+        threshold_mm = self._profile.halo_threshold_mm
+        return segment(excess_mm, self._settings, threshold_mm, solid, columns.start, rows.start)
 
 
 def _line_pixels(segmentation: Segmentation, tip: Fingertip) -> int:

@@ -64,7 +64,7 @@ class Labels:
 
 def around(places: Sequence[Prediction], shape: tuple[int, ...]) -> Part:
     """Return the part of an image, (H, W), with the windows of all these places."""
-    boxes = [_box(each.place, shape) for each in places]
+    boxes = [window(each.place, shape) for each in places]
     return (
         slice(
             min((y.start for y, _ in boxes), default=0), max((y.stop for y, _ in boxes), default=0)
@@ -83,7 +83,7 @@ def label_pixels(fingers: Sequence[Prediction], segmentation: Segmentation) -> L
         return Labels(halo, hand)
     halo_away, hand_away = np.full(shape, FAR, np.float32), np.full(shape, FAR, np.float32)
     places = [segmentation.within(finger.place) for finger in fingers]
-    boxes = [_box(place, shape) for place in places]
+    boxes = [window(place, shape) for place in places]
     for number, (place, box) in enumerate(zip(places, boxes, strict=True)):
         if sum(_meet(box, other) for other in boxes) == 1:  # itself
             halo[box] = hand[box] = number
@@ -104,7 +104,7 @@ def pixels_of(
 ) -> Segmentation:
     """Return the scene around a place, without the pixels of other fingers."""
     there = segmentation.within(place.place)
-    box = _box(there, segmentation.hand.shape)
+    box = window(there, segmentation.hand.shape)
     around = segmentation.cut(box)
     open_to_it = _open(labels.halo[box], number)
     hand = around.hand & _open(labels.hand[box], number)
@@ -162,8 +162,9 @@ def _open(numbers: FingerNumbers, number: int) -> NDArray[np.bool_]:
     return np.asarray((numbers == number) | (numbers == NO_FINGER))
 
 
-def _box(place: FingerFrame, shape: tuple[int, ...]) -> Part:
-    (column, row), reach = (round(each) for each in place.tip_px), round(REACH_MM * place.px_per_mm)
+def window(place: FingerFrame, shape: tuple[int, ...], reach_mm: float = REACH_MM) -> Part:
+    """Return the part of an image, (H, W), within so many mm to each side of a tip."""
+    (column, row), reach = (round(each) for each in place.tip_px), round(reach_mm * place.px_per_mm)
     rows = slice(min(max(row - reach, 0), shape[0]), min(max(row + reach, 0), shape[0]))
     columns = slice(min(max(column - reach, 0), shape[1]), min(max(column + reach, 0), shape[1]))
     return rows, columns

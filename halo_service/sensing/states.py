@@ -63,11 +63,6 @@ def interpolate(x: float, x_min: float, x_max: float, y_min: float, y_max: float
     return y_min + (x - x_min) / (x_max - x_min) * (y_max - y_min)
 
 
-def between(signal: Signal, lower: TouchState, upper: TouchState) -> float:
-    """Return 0 at one state in or near contact, 1 at the next; linear beyond both ends."""
-    return span(signal, lower, upper).at(at_calibrated_pitch(signal, lower))
-
-
 def at_calibrated_pitch(signal: Signal, state: TouchState) -> tuple[float, ...]:
     """Return the readings that a state has, as they would be at the pitch of the calibration."""
     return tuple(each / signal.at_pitch for each in _values(signal, state))

@@ -20,7 +20,7 @@ from halo_service.sensing.hover import hover_height
 from halo_service.sensing.pressure import force, read_force, touch_force, touch_pressure
 from halo_service.sensing.segmentation import segment
 from halo_service.sensing.settings import SensingSettings
-from halo_service.sensing.states import between, interpolate, span
+from halo_service.sensing.states import interpolate, span
 from halo_service.values import Finger, Fingertip, Side, Signal
 
 SETTINGS = SensingSettings()
@@ -142,15 +142,19 @@ def test_the_level_is_0_at_subtle_and_1_at_touch(
     assert profile.touch is not None
     total = 1500.0 + share * 500.0
     depth_mm = 10.0 + share
-    assert between(signal(depth_mm), dented.subtle, dented.touch) == pytest.approx(share)
+
+    def level(read: Signal, states: TouchStates) -> float:
+        return evidence(read, tip_at(320, 288), states).level
+
+    assert level(signal(depth_mm), dented) == pytest.approx(share)
     flat = replace(signal(depth_mm * 0.8), at_pitch=0.8)
-    assert between(flat, dented.subtle, dented.touch) == pytest.approx(share)
+    assert level(flat, dented) == pytest.approx(share)
     one_hidden = replace(signal(depth_mm), readings=(0.0, NAN, 0.6 * depth_mm, NAN))
-    assert between(one_hidden, dented.subtle, dented.touch) == pytest.approx(share)
+    assert level(one_hidden, dented) == pytest.approx(share)
     all_hidden = replace(signal(NAN, total), readings=(total, NAN, NAN, NAN))
-    assert between(all_hidden, dented.subtle, dented.touch) == pytest.approx(share)
+    assert level(all_hidden, dented) == pytest.approx(share)
     older = profile.touch  # calibrated before there were several readings
-    assert between(signal(3.0, total), older.subtle, older.touch) == pytest.approx(share)
+    assert level(signal(3.0, total), older) == pytest.approx(share)
 
 
 def test_a_reading_weighs_what_it_is_worth_between_the_two_states(dented: TouchStates) -> None:

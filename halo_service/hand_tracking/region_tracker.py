@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,7 +43,8 @@ some frames for a hand that is just coming in."""
 class _Slot:
     """One hand model, which follows one hand from picture to picture."""
 
-    model: HandTracker
+    model: Future[HandTracker]
+    """Loaded in a thread of its own: the first hand does not wait for the second one's model."""
     hand: Hand | None = None
 
 
@@ -66,7 +68,11 @@ class RegionTracker:
         """
         self._background_mm, self._valid = background_mm, valid
         self._px_per_mm = focal_px / max(float(np.median(background_mm[valid])), 1.0)
-        self._slots = [_Slot(HandTracker(model_path, max_hands=1)) for _ in range(max_hands)]
+        loader = ThreadPoolExecutor(1, "hand model")
+        models = [loader.submit(HandTracker, model_path, max_hands=1) for _ in range(max_hands)]
+        loader.shutdown(wait=False)
+        self._slots = [_Slot(model) for model in models]
+        models[0].result()  # raises if the file is no model
         self._empty: tuple[_Empty, ...] = ()
         self._shapeless: tuple[_Empty, ...] = ()
         self._unfound_us: int | None = None
@@ -86,7 +92,7 @@ class RegionTracker:
     def close(self) -> None:
         """Let the models go."""
         for slot in self._slots:
-            slot.model.close()
+            slot.model.result().close()
 
     def _hands(self) -> list[Hand]:
         return [slot.hand for slot in self._slots if slot.hand is not None]
@@ -143,7 +149,7 @@ class RegionTracker:
         if picture is None:
             return None
         rgb = np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB), np.uint8)
-        found = slot.model.find(rgb, frame.time_us).hands
+        found = slot.model.result().find(rgb, frame.time_us).hands
         if not found:
             return None
         hand = Hand(found[0].side, in_image(found[0].landmarks_px, region), found[0].confidence)

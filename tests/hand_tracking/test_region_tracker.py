@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Iterator
+from concurrent.futures import Future
 from contextlib import closing
 
 import numpy as np
@@ -85,8 +86,9 @@ def test_the_model_rests_over_an_empty_table_and_before_a_thing_that_is_no_hand(
     tracker = RegionTracker(hand_model(None), background, background > 0, 505.0, 2)
     models = [Looks(), Looks()]
     for slot, model in zip(tracker._slots, models, strict=True):
-        slot.model.close()
-        slot.model = model
+        slot.model.result().close()
+        slot.model = Future()
+        slot.model.set_result(model)
     empty, ir = np.full((576, 640), 500, np.uint16), np.full((576, 640), 900, np.uint16)
     mug = empty.copy()
     mug[250:330, 300:380] = 410

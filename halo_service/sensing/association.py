@@ -7,10 +7,10 @@ must keep its id all the same, and must not get two.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
-from itertools import count
+from itertools import count, permutations
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,8 @@ TURN_SHARE = 0.3
 """Of a new direction in the smoothed one (chosen: landmarks are some pixels off)."""
 MOST_VOTES = 8
 """Left or right is decided by the detections of a quarter of a second."""
+MOST_TRIED = 120
+"""Assignments that are tried one by one: of four fingers to five detections."""
 HAND_MM = 25.0
 """A place this near to a landmark is on the hand (chosen: half a palm)."""
 REPLACED_US = 200_000
@@ -83,14 +85,31 @@ def _pairs(tracks: Sequence[Track], detections: Sequence[Detection]) -> dict[int
     """Return the number of each track's detection: the likeliest assignment of all."""
     if not tracks or not detections:
         return {}
-    costs = np.array([[_cost(finger, each) for each in detections] for finger in tracks])
-    pairs = zip(*load_solver()(costs), strict=True)
-    return {int(i): int(j) for i, j in pairs if costs[i, j] < IMPOSSIBLE}
+    costs = [[_cost(finger, each) for each in detections] for finger in tracks]
+    fewer, more = sorted((len(tracks), len(detections)))
+    few = math.perm(more, fewer) <= MOST_TRIED
+    pairs = best_pairs(costs) if few else zip(*load_solver()(costs), strict=True)
+    return {int(i): int(j) for i, j in pairs if costs[i][j] < IMPOSSIBLE}
+
+
+def best_pairs(costs: Sequence[Sequence[float]]) -> list[tuple[int, int]]:
+    """Return the assignment of rows to columns with the least sum, as many as there can be.
+
+    It tries all: for a few fingers that is faster than SciPy's solver, and its import.
+    """
+    if len(costs) > len(costs[0]):
+        return [(row, column) for column, row in best_pairs(list(zip(*costs, strict=True)))]
+    tried = permutations(range(len(costs[0])), len(costs))
+    return list(enumerate(min(tried, key=lambda columns: _sum(costs, columns))))
+
+
+def _sum(costs: Sequence[Sequence[float]], columns: Iterable[int]) -> float:
+    return sum(row[column] for row, column in zip(costs, columns, strict=True))
 
 
 @cache
 def load_solver() -> Any:
-    """Import SciPy's solver, once; programs that only read settings do not wait for it."""
+    """Import SciPy's solver, once: a quarter of a second, which few fingers do not need."""
     from scipy.optimize import linear_sum_assignment
 
     return linear_sum_assignment

@@ -61,7 +61,8 @@ class State:
 
 def start(profile: Profile | None, settings: SensingSettings) -> State:
     """Return the state before the first frame."""
-    load_solver()  # now, and not in the first frame with a hand
+    if settings.fingers == "all":
+        load_solver()  # now, and not in the first frame with a hand
     return State(profile, settings)
 
 

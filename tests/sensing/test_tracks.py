@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from halo_service.profile import Background
-from halo_service.sensing.association import associate
+from halo_service.sensing.association import associate, best_pairs, load_solver
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.registration import HeightMap, height_map
 from halo_service.sensing.tracks import (
@@ -240,3 +240,11 @@ def test_a_hidden_tip_is_measured_worse_than_its_landmarks() -> None:
     assert seen.history[-1].place_mm[0] < hidden.history[-1].place_mm[0]
     (unmoved,) = associate((shown,), (detection(100.0, 11),), 9)
     assert unmoved.history[-1] == shown.history[-1]
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2, 2), (3, 2), (4, 4), (5, 4)])
+def test_few_pairs_are_those_of_the_solver(shape: tuple[int, int]) -> None:
+    costs = np.random.default_rng(sum(shape)).uniform(0.0, 100.0, shape)
+    rows, columns = load_solver()(costs)
+    pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+    assert sorted(best_pairs(costs.tolist())) == sorted(pairs)

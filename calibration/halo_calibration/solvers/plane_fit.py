@@ -52,7 +52,7 @@ def least_squares(points: Points, weight: Weights | None = None) -> tuple[Points
 
 def _slopes(points: Points, weight: Weights | None) -> tuple[float, float, float]:
     """Return a, b, c of z = a x + b y + c."""
-    from scipy.linalg import lstsq  # the sensing imports it too, but not before it starts
+    from scipy.linalg import lstsq  # here, because it is slow to import
 
     xy, z = points[:, :2].copy(), points[:, 2].copy()
     middle, mean_z = np.average(xy, axis=0, weights=weight), np.average(z, weights=weight)

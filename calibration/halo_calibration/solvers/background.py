@@ -27,6 +27,9 @@ MOVED_MM = 4.0
 0.03 mm a block and third; the rest is for a device that warms up or a table that is bumped)."""
 NOISY_MM = 8.0
 """A still pixel's standard deviation is less, except at edges and in the dark."""
+GONE = 0.5
+"""A still pixel is measured in shares of the two thirds' frames that differ by less: in the dark at
+the rim of the lit circle it is there in some frames and not in others."""
 MOVED_BLOCKS = 3
 """Blocks in a row that make a movement: two fingers' width."""
 THRESHOLD_SIGMAS, THRESHOLD_MM = 5.0, (4.0, 10.0)
@@ -49,7 +52,7 @@ def solve_background(depths: Sequence[Depth], infrareds: Sequence[Infrared] = ()
         )
     background = average(depths)
     third = len(depths) // 3
-    moved = _moved(background, average(depths[:third]), average(depths[-third:]))
+    moved = _moved(background, depths[:third], depths[-third:])
     size, place = largest(moved)
     if size >= MOVED_BLOCKS:
         share = 100.0 * size / moved.size
@@ -100,18 +103,27 @@ def halo_threshold(background: Background) -> float:
     return round(float(np.clip(THRESHOLD_SIGMAS * typical, *THRESHOLD_MM)), 1)
 
 
-def _moved(whole: Background, first: Background, last: Background) -> NDArray[np.bool_]:
-    """Return the blocks in which something moved, (H / 8, W / 8)."""
-    both = first.valid & last.valid
-    shift = np.where(both, last.mean_mm - first.mean_mm, 0.0)
+def _moved(whole: Background, first: Sequence[Depth], last: Sequence[Depth]) -> NDArray[np.bool_]:
+    """Return the blocks in which something moved, (H / 8, W / 8).
+
+    `first`, `last`: of the frames of the whole background.
+    """
+    before, after = average(first), average(last)
+    both = before.valid & after.valid
+    shift = np.where(both, after.mean_mm - before.mean_mm, 0.0)
     seen = _blocks(both.astype(np.float64)).sum(axis=(1, 3))
     mean_shift = _blocks(shift).sum(axis=(1, 3)) / np.maximum(seen, 1.0)
     half = BLOCK_PX * BLOCK_PX / 2
     shifted = (seen >= half) & (np.abs(mean_shift) > MOVED_MM)
     # A hand that passed in between, or pixels that were seen at one end only.
     noisy = _blocks((whole.noise_mm > NOISY_MM) & (whole.mean_mm > 0)).sum(axis=(1, 3)) > half
-    gone = _blocks(first.valid != last.valid).sum(axis=(1, 3)) > half
+    gone = _blocks(np.abs(_measured(last) - _measured(first)) > GONE).sum(axis=(1, 3)) > half
     return np.asarray(shifted | noisy | gone)
+
+
+def _measured(depths: Sequence[Depth]) -> NDArray[np.float64]:
+    """Return the share of the frames in which each pixel is measured."""
+    return np.asarray(np.mean([depth > 0 for depth in depths], axis=0))
 
 
 def _blocks(image: NDArray[np.generic]) -> NDArray[np.generic]:

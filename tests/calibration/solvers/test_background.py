@@ -53,6 +53,22 @@ def test_what_moved_is_refused_and_its_place_is_said(
         solve_background(frames)
 
 
+def test_what_is_measured_at_one_end_only_has_moved() -> None:
+    frames = quiet()
+    for frame in frames[40:]:
+        frame[:24, :32] = 0
+    with pytest.raises(CalibrationError, match=r"something moved .*far left"):
+        solve_background(frames)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_a_dark_rim_that_flickers_has_not_moved(share: float) -> None:
+    frames, rng = quiet(), np.random.default_rng(2)
+    for frame in frames:
+        frame[:32][rng.random((32, SHAPE[1])) > share] = 0
+    solve_background(frames)
+
+
 def test_a_device_that_warms_up_has_not_moved() -> None:
     frames = quiet()
     for n, frame in enumerate(frames):

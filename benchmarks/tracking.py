@@ -24,7 +24,6 @@ from halo_service.hand_tracking.blend import ColourWarp, Picture, blend
 from halo_service.hand_tracking.hands import HandTracker
 from halo_service.hand_tracking.model import hand_model
 from halo_service.values import Finger, Frame
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest, parse_sim_url
@@ -72,7 +71,7 @@ def main() -> int:
         warp = ColourWarp(sensor.camera, np.full(shape, request.room.camera_height_mm, np.float32))
         hands = 2 if request.scenario == "drumming" else 1
         scores = {name: TrackerScore(picture, hands) for name, picture in pictures(warp).items()}
-        count = round(SECONDS * FPS)
+        count = round(SECONDS * sensor.camera.fps)
         with ExitStack() as stack:
             for score in scores.values():
                 stack.callback(score.tracker.close)
@@ -102,12 +101,13 @@ def simulate(
 ) -> Iterator[tuple[Frame, list[Pixel]]]:
     """Yield frames and the true pads of their index fingers, px."""
     scenario, lens = start_scenario(request.scenario, request.room), sensor.camera.depth
-    first = round(OPENING_S * FPS)
+    fps = sensor.camera.fps
+    first = round(OPENING_S * fps)
     for index in range(first + count):
-        stage = scenario.at(index / FPS)
+        stage = scenario.at(index / fps)
         if index < first:
             continue
-        drawn = sensor.frame(round(index / FPS * 1e6), stage.hands, stage.things)
+        drawn = sensor.frame(round(index / fps * 1e6), stage.hands, stage.things)
         pads = [hand.pad(Finger.INDEX) for hand in stage.hands if hand.pointing(Finger.INDEX)]
         seen = [lens.project(sensor.surface.to_camera(pad[None]))[0] for pad in pads]
         inside = [px for px in seen if 0 <= px[0] < lens.width and 0 <= px[1] < lens.height]

@@ -12,7 +12,6 @@ from halo_calibration.boards.board import Projected
 from halo_calibration.guided.guide import Prompt
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.outputs.recorder import Recorder
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 
 Line = dict[str, float | str]
@@ -30,17 +29,18 @@ class Film:
     def pause(self, seconds: float) -> None:
         """Let the person go on while nothing is recorded."""
         self.user.skip(seconds)
-        self._index += round(seconds * FPS)
+        self._index += round(seconds * self.user.camera.fps)
 
     def record(self, frames: int) -> tuple[float, float]:
         """Record what the person does now; return from when to when, seconds."""
-        from_s = self._index / FPS
+        fps = self.user.camera.fps
+        from_s = self._index / fps
         for _ in range(frames):
             # Matroska counts in milliseconds.
-            time_us = round(self._index * 1e3 / FPS) * 1000
+            time_us = round(self._index * 1e3 / fps) * 1000
             self._recorder.write(dataclasses.replace(self.user.read(1.0), time_us=time_us))
             self._index += 1
-        return from_s, (self._index - 0.5) / FPS
+        return from_s, (self._index - 0.5) / fps
 
     def step(self, step: str, frames: int, **fields: float | str) -> None:
         """Record a step of the calibration."""

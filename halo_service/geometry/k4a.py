@@ -44,6 +44,13 @@ DEPTH_MODES = {
     "WFOV_2X2BINNED": Cut((512, 512), (0, 0), (512, 512)),
     "WFOV_UNBINNED": Cut((1024, 1024), (0, 0), (1024, 1024)),
 }
+DEPTH_FPS = {
+    "NFOV_UNBINNED": 30,
+    "NFOV_2X2BINNED": 30,
+    "WFOV_2X2BINNED": 30,
+}
+"""Frames a second that a camera is asked for in each depth mode: the most that an Azure Kinect has
+(hardware specification), and a Femto has all of them."""
 COLOUR_RESOLUTIONS = {
     "720P": Cut((1280, 960), (0, 120), (1280, 720)),
     "1080P": Cut((1920, 1440), (0, 180), (1920, 1080)),

@@ -1,7 +1,8 @@
 """A live Azure Kinect, through pyk4a, the Python wrapper of its SDK.
 
 Rule: pyk4a is imported only here, and only when a camera is looked for; many machines lack it.
-Depth with its infrared, colour 720p as the camera's own JPEG, 30 fps, only captures that have both.
+Depth with its infrared and colour 720p as the camera's own JPEG, at the depth mode's rate; only
+captures that have both.
 
 Tested without a camera: no camera connected, the calibration, and a capture of the SDK's playback
 turned into a frame. Tested with a fake device: options, unplug, a wrong serial number. Not tested:
@@ -26,7 +27,7 @@ from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
 from halo_service.host_clock import CLOCK
 from halo_service.sources import SourceLost
-from halo_service.sources.camera_name import FPS, CameraOptions
+from halo_service.sources.camera_name import CameraOptions
 from halo_service.sources.clock import DeviceClock
 from halo_service.sources.headless import DISPLAY_REMEDY, is_engine, without_display
 from halo_service.values import BadFrame, Frame, SourceKind
@@ -68,7 +69,7 @@ class AzureKinect:
                 self._device.calibration_raw.encode(),
                 depth_mode=options.mode,
                 colour_resolution="720P",
-                fps=FPS,
+                fps=k4a.DEPTH_FPS[options.mode],
             )
         except UserError:
             self._device.stop()
@@ -138,12 +139,13 @@ class AzureKinect:
 
     def _config(self) -> Any:
         sdk = self._sdk
+        mode = self._options.mode
         role = {"alone": "STANDALONE", "primary": "MASTER", "secondary": "SUBORDINATE"}
         return sdk.Config(
             color_format=sdk.ImageFormat.COLOR_MJPG,
             color_resolution=sdk.ColorResolution.RES_720P,
-            depth_mode=getattr(sdk.DepthMode, self._options.mode),
-            camera_fps=sdk.FPS.FPS_30,
+            depth_mode=getattr(sdk.DepthMode, mode),
+            camera_fps=getattr(sdk.FPS, f"FPS_{k4a.DEPTH_FPS[mode]}"),
             synchronized_images_only=True,
             wired_sync_mode=getattr(sdk.WiredSyncMode, role[self._options.sync]),
             subordinate_delay_off_master_usec=self._options.sync_delay_us,

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from halo_service.errors import UserError, suggestion
+from halo_service.geometry.k4a import DEPTH_FPS
 
 CameraKind = Literal["azure-kinect", "femto-bolt", "femto-mega"]
 CAMERA_KINDS: tuple[CameraKind, ...] = ("azure-kinect", "femto-bolt", "femto-mega")
@@ -19,10 +20,9 @@ TITLES: dict[CameraKind, str] = {
     "femto-mega": "Femto Mega",
 }
 """What people call them."""
-MODES = ("NFOV_UNBINNED", "NFOV_2X2BINNED", "WFOV_2X2BINNED")
-"""The depth modes with 30 frames a second, by the Azure Kinect's names; a Femto has the same."""
-FPS = 30
-MOST_DELAY_US = 33_333
+MODES = tuple(DEPTH_FPS)
+"""The depth modes by the Azure Kinect's names; a Femto has the same."""
+MOST_DELAY_US = 1_000_000 // max(DEPTH_FPS.values())
 """A delay of a frame or more would shift the camera by a frame."""
 
 Sync = Literal["alone", "primary", "secondary"]

@@ -30,8 +30,6 @@ from halo_service.values import BadFrame, Frame
 
 _Packet: TypeAlias = "Packet[VideoStream]"
 _BYTE_ORDERS = {"gray16be": ">u2", "gray16le": "<u2"}
-_USUAL_FPS = 30
-"""For a file that does not state its rate: the Kinect's usual one."""
 _US_PER_S = 1_000_000
 
 
@@ -163,7 +161,8 @@ class KinectFile:
                 colour_resolution=self._tag("COLOR", "K4A_COLOR_MODE").split("_")[-1]
                 if colour is not None
                 else None,
-                fps=round(self._tracks["DEPTH"].average_rate or 0) or _USUAL_FPS,
+                # A file that does not state its rate has that of its mode.
+                fps=round(self._tracks["DEPTH"].average_rate or 0) or k4a.DEPTH_FPS.get(mode, 0),
             )
         except k4a.CalibrationError as error:
             raise UserError(

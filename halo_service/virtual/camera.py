@@ -17,7 +17,6 @@ from halo_service.geometry.camera import Camera, Lens, Points
 SERIAL = "VIRTUAL-0001"
 """Of the device; `Room.camera` appends the room."""
 DEPTH_MODE = "NFOV_UNBINNED"
-FPS = 30
 NARROW_FX = 504.2
 """Focal length of the narrow unbinned mode, px: lengths in pixels are measured there."""
 
@@ -40,7 +39,7 @@ MODES = {
     "NFOV_2X2BINNED": Mode(1.18, 2.0),
     "WFOV_2X2BINNED": Mode(1.0, 0.56),
 }
-"""The three that run at 30 frames a second. Both devices have them: it is the same sensor."""
+"""Both devices have them: it is the same sensor. Their rates are `k4a.DEPTH_FPS`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +56,7 @@ class Device:
     colour_mm: tuple[float, float, float]
     """Translation of `colour_from_depth`."""
     fps: tuple[float, float] = (30.0, 30.0)
-    """Range of the frame rate by host time; a seed draws one."""
+    """Range of the frame rate by host time in the narrow unbinned mode; a seed draws one."""
 
 
 DEVICES = {
@@ -118,11 +117,12 @@ def factory(device: str = "kinect", mode: str = DEPTH_MODE) -> Camera:
     """The calibration of a virtual device in one of its depth modes."""
     made = DEVICES[device]
     colour_from_depth = _colour_from_depth(made)
-    camera = Camera(made.serial, DEPTH_MODE, FPS, made.depth, made.colour, colour_from_depth)
+    fps = k4a.DEPTH_FPS[mode]
+    camera = Camera(made.serial, DEPTH_MODE, fps, made.depth, made.colour, colour_from_depth)
     if mode == DEPTH_MODE:
         return camera
     # The cut of the sensor that the SDK shows in that mode.
-    return k4a.from_json(k4a.to_json(camera), depth_mode=mode, colour_resolution="720P", fps=FPS)
+    return k4a.from_json(k4a.to_json(camera), depth_mode=mode, colour_resolution="720P", fps=fps)
 
 
 def px_times(lens: Lens) -> float:

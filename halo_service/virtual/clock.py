@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from halo_service.virtual.camera import DEVICES
+from halo_service.geometry.k4a import DEPTH_FPS
+from halo_service.virtual.camera import DEPTH_MODE, DEVICES
 from halo_service.virtual.room import Room
 
 START_US = 500_000
@@ -101,7 +102,8 @@ def _joined(first: Clock, room: Room, number: int) -> Clock:
 
 def _one_clock(room: Room, scenario: str) -> Clock:
     rng = np.random.default_rng([room.seed, zlib.crc32(b"clock"), zlib.crc32(scenario.encode())])
-    fps = float(rng.uniform(*DEVICES[room.device].fps))
+    of_narrow = DEPTH_FPS[room.mode] / DEPTH_FPS[DEPTH_MODE]
+    fps = float(rng.uniform(*DEVICES[room.device].fps)) * of_narrow
     start_s = rng.uniform(*(UNIX_S if rng.random() < 0.5 else UPTIME_S))
     return Clock(
         fps,

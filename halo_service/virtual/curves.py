@@ -33,7 +33,6 @@ PITCH_DEG = 30.0
 """Of the finger where nothing else is said: flat enough that a camera tilted by 45 degrees, which
 looks over the hand's back, still sees the fingertip. The paper does not say which it had."""
 EMPTY_FRAMES, FRAMES = 20, 6
-FRAME_US = 33_333
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,5 +124,5 @@ class Bench:
         return slice(top, top + tall), slice(left, left + wide)
 
     def _read(self, hands: list[PosedHand]) -> NDArray[np.uint16]:
-        self._time_us += FRAME_US
+        self._time_us += round(1e6 / self._sensor.camera.fps)
         return self._sensor.frame(self._time_us, hands).depth

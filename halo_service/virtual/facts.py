@@ -25,7 +25,6 @@ from halo_service.virtual.skeleton import FingerPose, PosedHand, posed
 from halo_service.virtual.statements import Finding, Statement
 
 Depth = NDArray[np.float64]
-FRAME_US = 33_333
 WINDOW_PX, PATCH_PX = 72, 24
 WARM_US = -7_200_000_000
 """A device that was switched on two hours ago."""
@@ -45,7 +44,8 @@ def _reads(
 ) -> Depth:
     """(count, H, W) mm, nan where nothing is measured."""
     sensor = Sensor(room, colour_times=0, started_us=WARM_US)
-    frames = [sensor.frame(k * FRAME_US, hands, things).depth for k in range(count)]
+    frame_us = round(1e6 / sensor.camera.fps)
+    frames = [sensor.frame(k * frame_us, hands, things).depth for k in range(count)]
     depth = np.array(frames, dtype=np.float64)
     depth[depth == 0.0] = np.nan
     return depth

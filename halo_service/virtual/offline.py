@@ -9,7 +9,6 @@ import numpy as np
 from halo_service.errors import UserError
 from halo_service.values import Frame
 from halo_service.virtual import truth
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.clock import clocks_of
 from halo_service.virtual.installation.interference import shares
 from halo_service.virtual.scenarios import ENDING, start_scenario
@@ -51,9 +50,10 @@ class SimulatedRecording:
             )
         if seconds is not None and not 0.0 < seconds < 1e6:
             raise UserError(f"A recording cannot be {seconds:g} s long; give more than 0.")
-        self.expected_frames: int | None = None if seconds is None else round(seconds * FPS)
+        fps = request.room.camera().fps
+        self.expected_frames = None if seconds is None else round(seconds * fps)
         """None where the scenario itself decides."""
-        self._first = round(start_s * FPS)
+        self._first = round(start_s * fps)
         self._room = request.room
         self._step_us = 1000 if whole_ms else 1
         self._scenario = start_scenario(request.scenario, request.room)
@@ -71,7 +71,7 @@ class SimulatedRecording:
         that ended meanwhile are still reported.
         """
         rng = np.random.default_rng([*self._room.noise_seed, 3])
-        for index in range(self.expected_frames or round(LONGEST_S * FPS)):
+        for index in range(self.expected_frames or round(LONGEST_S * self.camera.fps)):
             late_s = abs(rng.normal(0.0, self._jitter_s)) if index else 0.0
             dropped = index > 0 and rng.random() < self._room.drop
             if index < self._first:

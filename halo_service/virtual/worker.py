@@ -1,4 +1,4 @@
-"""The other side of the live virtual camera: a process that draws 30 frames a second.
+"""The other side of the live virtual camera: a process that draws at its camera's rate.
 
 Rule: it owns the clock and the pace, nothing else does. It waits on its pipe between frames, so
 it answers at once, and it ends when the pipe does: with its parent, whatever becomes of that.

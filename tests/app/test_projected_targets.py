@@ -19,7 +19,7 @@ from halo_service.app.virtual_user.user import STATES
 from halo_service.geometry.camera import Points
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile.store import load
-from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.camera import factory
 from halo_service.virtual.room import Room, draw_room
 from tests.filmed import Film
 from tests.kind_sensor import KIND_ROOM
@@ -38,7 +38,7 @@ WITHIN_MM = 3.0
 
 def film(room: Room, out: Path) -> Film:
     """Record the empty table, the sheet, the board, the four states, and the touched targets."""
-    with Recorder(out, factory(), fps=FPS, colour=True) as recorder:
+    with Recorder(out, factory(), fps=factory().fps, colour=True) as recorder:
         made = Film(room, recorder)
         made.user.follow(PROMPTS["background"])
         made.step("background", 60)

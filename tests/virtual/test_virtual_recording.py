@@ -5,7 +5,6 @@ import subprocess
 import numpy as np
 
 from halo_service.outputs.recorder import Recorder
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.offline import SimulatedRecording
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -15,7 +14,7 @@ def test_ffmpeg_reads_equal_frames(external_program, tmp_path):
     path = tmp_path / "demo.mkv"
     recording = SimulatedRecording(parse_sim_url("sim:demo?seed=2"), 0.4)
     drawn = []
-    with Recorder(path, recording.camera, fps=FPS, colour=True) as recorder:
+    with Recorder(path, recording.camera, fps=recording.camera.fps, colour=True) as recorder:
         for frame, _ in recording:
             if frame is not None:
                 recorder.write(frame)

@@ -43,7 +43,6 @@ from halo_service.settings import Settings
 from halo_service.sources import EndOfSource
 from halo_service.sources.recording import Recording
 from halo_service.values import Frame
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.sim_url import SimRequest, parse_sim_url
 
 CASES = {1: "sim:pointing?seed=1", 2: "sim:drumming?seed=1"}
@@ -135,7 +134,8 @@ def _case(source: str, hands: int, request: BenchRequest, settings: Settings) ->
     if kind == "sim":
         simulated = parse_sim_url(source)
         profile = _profile_for(request.profile) or _measured(simulated, settings)
-        with progress(f"rendering {source}", round(request.seconds * FPS)) as bar:
+        frames = round(request.seconds * simulated.room.camera().fps)
+        with progress(f"rendering {source}", frames) as bar:
             recording = simulate(source, simulated, request.seconds, bar.advance)
     elif kind == "recording" and rest:
         given = _profile_for(request.profile)

@@ -175,7 +175,7 @@ class _Tape:
 
     def __init__(self, keep: Callable[[Frame], None]) -> None:
         self._keep = keep
-        self._recent: deque[Frame] = deque(maxlen=round(30 * SETTLING_S) + 1)
+        self._recent: deque[Frame] = deque()
         self._first_us: int | None = None
         self._live_us: int | None = None
         self._written_us = -1
@@ -186,8 +186,10 @@ class _Tape:
         self._live_us = frame.time_us if self._live_us is None else self._live_us
         if counts:
             self.write(frame)
-        else:
-            self._recent.append(frame)
+            return
+        self._recent.append(frame)
+        while frame.time_us - self._recent[0].time_us > SETTLING_S * 1e6:
+            self._recent.popleft()
 
     def start(self, from_us: int, every: int = 1) -> None:
         """Pass on what is remembered, from a time on: one frame in `every`."""

@@ -18,7 +18,7 @@ from halo_service.app.hand_detector import HandDetector
 from halo_service.app.virtual_user.profile import virtual_profile
 from halo_service.app.virtual_user.user import VirtualUser
 from halo_service.settings import Settings
-from halo_service.virtual.camera import FPS, SERIAL
+from halo_service.virtual.camera import SERIAL
 from halo_service.virtual.sim_url import parse_sim_url
 
 PILOTS = (
@@ -58,7 +58,7 @@ def _pilot(name: str, settings: Settings) -> Samples:
             seen = []
             for _ in range(round(SWEEP_S / TENTH_S)):
                 observation = observer.see(user.read(0.0))
-                user.skip(TENTH_S - 1.0 / FPS)
+                user.skip(TENTH_S - 1.0 / user.camera.fps)
                 if observation is not None:
                     seen.append(observation)
             rounds.append((angle, usable(samples_of(seen), angle)))

@@ -16,6 +16,7 @@ from halo_calibration import steps
 from halo_calibration.errors import CalibrationError
 from halo_calibration.guided.guide import PROMPTS
 from halo_calibration.observe import Observer
+from halo_calibration.solvers.background import WANTED_FRAMES
 from halo_calibration.solvers.touch import STATES, HoldObservations
 from halo_calibration.steps import Setup
 from halo_calibration.steps.session import Session
@@ -25,15 +26,13 @@ from halo_service.errors import UserError
 from halo_service.profile import Profile
 from halo_service.settings import Settings
 from halo_service.values import Frame
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 
-BACKGROUND_S = 2.0
 SETTLE_S = 1.5
 """Time for the virtual user to reach a state."""
-HELD_S = 0.5
-"""A quarter of the time for a person: the virtual finger does not move."""
-FRAMES = round((BACKGROUND_S + len(STATES) * HELD_S) * FPS)
+HELD_FRAMES = 15
+"""Half a second at 30 a second, a quarter of a person's: the virtual finger does not move."""
+FRAMES = WANTED_FRAMES + len(STATES) * HELD_FRAMES
 """Frames that are drawn and measured."""
 DATE = "1970-01-01T00:00:00Z"
 """It is measured at every start, so it has no date."""
@@ -55,7 +54,7 @@ def virtual_profile(
             detector = HandDetector(user.camera, None, replace(settings.tracking, max_hands=1))
             stack.callback(detector.close)
             empty = []
-            for frame in session.lasting(BACKGROUND_S, "background"):
+            for frame in session.lasting(WANTED_FRAMES / user.camera.fps, "background"):
                 empty.append(frame)
                 advance()
             profile = steps.background_change(setup, empty, detector.detect)(None)
@@ -78,9 +77,8 @@ def _held(
 ) -> HoldObservations:
     user.follow(PROMPTS[state])
     user.skip(SETTLE_S)
-    frames = _ahead(session.lasting(HELD_S, state))
-    count = session.frame_count(HELD_S)
-    return steps.watch_hold(state, frames, count, observer, lambda _: advance())
+    frames = _ahead(session.lasting(HELD_FRAMES / user.camera.fps, state))
+    return steps.watch_hold(state, frames, HELD_FRAMES, observer, lambda _: advance())
 
 
 def _ahead(frames: Iterator[Frame]) -> Iterator[Frame]:

@@ -19,7 +19,6 @@ from halo_calibration.guided.guide import Prompt
 from halo_calibration.solvers.touch import StateValues
 from halo_service.values import Frame, SourceKind
 from halo_service.virtual.bodies import wedge
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.motion import Segment, Timeline
 from halo_service.virtual.props import Flat, printed
@@ -114,15 +113,15 @@ class VirtualUser:
 
     def skip(self, seconds: float) -> None:
         """Let time pass without a frame."""
-        until = self._index + round(seconds * FPS)
+        until = self._index + round(seconds * self.camera.fps)
         while self._index < until:  # step by step: a prompt is read when the one before is done
-            self._track.at(self._index / FPS)
+            self._track.at(self._index / self.camera.fps)
             self._index += 1
 
     def read(self, timeout_s: float) -> Frame:
         """Return the next frame."""
         del timeout_s  # it never has to wait
-        t_s = self._index / FPS
+        t_s = self._index / self.camera.fps
         self._index += 1
         aim = self._track.at(t_s)
         rests = self._track.tool_at(t_s) == "wedge"

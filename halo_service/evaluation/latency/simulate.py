@@ -10,7 +10,6 @@ import numpy as np
 from halo_service.evaluation.latency.raw_frames import RawFrame, to_raw
 from halo_service.geometry.camera import Camera
 from halo_service.values import SourceKind
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
 from halo_service.virtual.sim_url import SimRequest
@@ -44,16 +43,17 @@ class LatencyRecording:
 def simulate(
     name: str, request: SimRequest, seconds: float, tick: Callable[[], object]
 ) -> LatencyRecording:
-    """Simulate a scenario at full quality from OPENING_S on; 33.3 ms per frame, none dropped.
+    """Simulate a scenario at full quality from OPENING_S on; no frame is dropped.
 
     `tick` is called after each frame.
     """
     scenario, sensor = start_scenario(request.scenario, request.room), Sensor(request.room)
-    first = round(OPENING_S * FPS)
+    fps = sensor.camera.fps
+    first = round(OPENING_S * fps)
     frames: list[RawFrame] = []
     contacts: list[TrueContact] = []
-    for index in range(first + round(seconds * FPS)):
-        t_s = index / FPS
+    for index in range(first + round(seconds * fps)):
+        t_s = index / fps
         moment = scenario.at(t_s)
         ended = scenario.ended_contacts(t_s)
         if index < first:

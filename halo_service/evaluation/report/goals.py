@@ -15,10 +15,12 @@ from halo_service.evaluation.report import select
 from halo_service.evaluation.report.figures import NONE, Value, Values, ValuesOf, cell
 from halo_service.evaluation.report.select import Choice
 from halo_service.evaluation.report.table import Table
+from halo_service.geometry.k4a import DEPTH_FPS
 
 PASS, FAIL = "pass", "fail"
 NOT_MEASURED = "not measured"
-FRAME_MS = 1000.0 / 30.0
+FRAME_MS = 1000.0 / DEPTH_FPS["NFOV_UNBINNED"]
+"""Of the narrow unbinned mode, whatever the mode of a user."""
 NO_READING = 0.01
 """Chosen: a method without a reading in more of the frames has not measured the level."""
 Limits = Mapping[str, float]

@@ -33,7 +33,6 @@ from halo_service.evaluation.study.plan import CALIBRATION, Plan, Task, User
 from halo_service.evaluation.study.recording import load, restored
 from halo_service.evaluation.study.sense import CachedHands, sense_all
 from halo_service.sensing import SensingSettings
-from halo_service.virtual.camera import FPS
 from halo_service.virtual.room import Room
 from halo_service.virtual.sim_url import parse_sim_url
 
@@ -143,7 +142,8 @@ def _work_through(
 
 
 def _work_s(request: StudyRequest, user: User, task: Task) -> float:
-    frames, methods = task.seconds * FPS, len(request.methods)
+    room, methods = parse_sim_url(user.source(CALIBRATION)).room, len(request.methods)
+    frames = task.seconds * room.camera().fps
     simulate_s = 0.0 if request.cache.has(user, task) else frames * SIMULATE_MS / 1e3
     if task == CALIBRATION:
         return simulate_s + methods * CALIBRATE_S

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
-from itertools import chain
+from itertools import chain, takewhile
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from halo_service.geometry.camera import Camera
 from halo_service.profile import Background, Profile
 from halo_service.values import Frame, Tracked
 from halo_service.virtual.offline import SimulatedRecording
-from halo_service.virtual.scenarios.calibration import BACKGROUND_S
+from halo_service.virtual.scenarios.calibration import background_s
 from halo_service.virtual.sim_url import parse_sim_url
 
 LONGEST = 1.5
@@ -41,13 +41,14 @@ OpenTracker = Callable[[Camera, Profile | None, int], AbstractContextManager[Tra
 def simulate_calibration(user: User, task: Task, open_tracker: OpenTracker) -> StoredRecording:
     """Simulate the calibration; the user's other recordings need its empty surface."""
     simulation = _simulation(user, task)
+    empty_us = 1e6 * background_s(parse_sim_url(user.source(task)).room)
     truth: list[Line] = []
     frames = _frames(simulation, task, truth)
     stored: list[StoredFrame] = []
     empty: list[Frame] = []
     with open_tracker(simulation.camera, None, task.hands) as track:
         for frame in frames:
-            if empty and not _is_empty(frame.time_us, empty[0].time_us):
+            if empty and frame.time_us - empty[0].time_us >= empty_us:
                 break
             empty.append(frame)
             stored.append(store_whole(frame, track(frame)))
@@ -81,21 +82,15 @@ def profile_of_table(name: str, background: Background, camera: Camera) -> Profi
 
 
 def empty_frames(calibration: StoredRecording) -> Iterator[Frame]:
-    """Yield the frames of a calibration that were stored whole."""
-    first_us = calibration.frames[0].time_us
-    _, _, width, height = calibration.frames[0].box
+    """Yield the frames that a calibration begins with, stored whole: those without a hand."""
+    whole = calibration.frames[0].box
+    _, _, width, height = whole
     shape = (height, width)
     nothing = Background(
         np.zeros(shape, np.float32), np.zeros(shape, np.float32), np.zeros(shape, np.bool_)
     )
-    for each in calibration.frames:
-        if _is_empty(each.time_us, first_us):
-            yield restore(each, nothing)[0]
-
-
-def _is_empty(time_us: int, first_us: int) -> bool:
-    """Whether a calibration's frame is from before the user comes."""
-    return time_us - first_us < 1e6 * BACKGROUND_S
+    for each in takewhile(lambda each: each.box == whole, calibration.frames):
+        yield restore(each, nothing)[0]
 
 
 def _stored(

@@ -14,7 +14,6 @@ from typing import Any
 from halo_service.errors import UserError
 from halo_service.host_clock import CLOCK
 from halo_service.sources import EndOfSource
-from halo_service.sources.camera_name import FPS
 from halo_service.sources.clock import DeviceClock
 from halo_service.sources.orbbec.calibration import camera_of
 from halo_service.sources.orbbec.frames import outcome
@@ -82,7 +81,7 @@ class Bag:
         for profile in (depth, infrared, colour):
             config.enable_stream(profile)
         serial = str(self._playback.get_device_info().get_serial_number())
-        camera = camera_of(serial, int(depth.get_fps()) or FPS, depth, colour)
+        camera = camera_of(serial, depth, colour)
         self._pipeline.start(config)
         return camera
 

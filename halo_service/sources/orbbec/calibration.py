@@ -32,17 +32,18 @@ def mode_of(width: int, height: int) -> str:
     )
 
 
-def camera_of(serial: str, fps: int, depth: Any, colour: Any | None) -> Camera:
+def camera_of(serial: str, depth: Any, colour: Any | None) -> Camera:
     """Make our `Camera`.
 
-    `depth`, `colour`: the SDK's video stream profiles; None: no colour. Raises `UserError` if the
-    calibration cannot be used.
+    `depth`, `colour`: the SDK's video stream profiles; None: no colour. Depth without a rate has
+    its mode's. Raises `UserError` if the calibration cannot be used.
     """
     lens = _lens(depth, "depth")
+    mode = mode_of(lens.width, lens.height)
     return Camera(
         serial=serial,
-        depth_mode=mode_of(lens.width, lens.height),
-        fps=fps,
+        depth_mode=mode,
+        fps=int(depth.get_fps()) or k4a.DEPTH_FPS[mode],
         depth=lens,
         colour=None if colour is None else _lens(colour, "colour"),
         colour_from_depth=np.eye(4) if colour is None else _pose(depth.get_extrinsic_to(colour)),

@@ -1,7 +1,7 @@
 """A live Femto Bolt or Femto Mega: a `Source`.
 
 Rule: the device is configured in `_configure` alone. It gives depth, infrared and colour 720p as
-its own JPEG, 30 fps, and only captures that have all three.
+its own JPEG, at the rate of the depth mode, and only captures that have all three.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from halo_service.errors import UserError
 from halo_service.geometry import k4a
 from halo_service.geometry.camera import Camera
 from halo_service.sources import SourceLost
-from halo_service.sources.camera_name import FPS, TITLES, CameraKind, CameraOptions
+from halo_service.sources.camera_name import TITLES, CameraKind, CameraOptions
 from halo_service.sources.clock import DeviceClock
 from halo_service.sources.headless import DISPLAY_REMEDY, is_engine, without_display
 from halo_service.sources.orbbec.calibration import camera_of
@@ -135,28 +135,30 @@ class Femto:
         ob, sensors = self._ob, self._ob.OBSensorType
         self._configure(device, options)
         pipeline = ob.Pipeline(device)
-        wide, high = k4a.DEPTH_MODES[options.mode].size
-        depth = self._profile(pipeline, sensors.DEPTH_SENSOR, wide, high, ob.OBFormat.Y16)
-        infrared = self._profile(pipeline, sensors.IR_SENSOR, wide, high, ob.OBFormat.Y16)
-        wide, high = k4a.COLOUR_RESOLUTIONS[COLOUR].size
-        colour = self._profile(pipeline, sensors.COLOR_SENSOR, wide, high, ob.OBFormat.MJPG)
+        size, fps = k4a.DEPTH_MODES[options.mode].size, k4a.DEPTH_FPS[options.mode]
+        depth = self._profile(pipeline, sensors.DEPTH_SENSOR, size, ob.OBFormat.Y16, fps)
+        infrared = self._profile(pipeline, sensors.IR_SENSOR, size, ob.OBFormat.Y16, fps)
+        size = k4a.COLOUR_RESOLUTIONS[COLOUR].size
+        colour = self._profile(pipeline, sensors.COLOR_SENSOR, size, ob.OBFormat.MJPG, fps)
         config = ob.Config()
         for profile in (depth, infrared, colour):
             config.enable_stream(profile)
         config.set_frame_aggregate_output_mode(ob.OBFrameAggregateOutputMode.FULL_FRAME_REQUIRE)
-        camera = camera_of(self.serial, FPS, depth, colour)
+        camera = camera_of(self.serial, depth, colour)
         pipeline.enable_frame_sync()
         pipeline.start(config)
         return pipeline, camera
 
-    def _profile(self, pipeline: Any, sensor: Any, width: int, height: int, form: Any) -> Any:
-        profiles = pipeline.get_stream_profile_list(sensor)
+    def _profile(
+        self, pipeline: Any, sensor: Any, size: tuple[int, int], form: Any, fps: int
+    ) -> Any:
+        profiles, (width, height) = pipeline.get_stream_profile_list(sensor), size
         try:
-            return profiles.get_video_stream_profile(width, height, form, FPS)
+            return profiles.get_video_stream_profile(width, height, form, fps)
         except self._ob.OBError as error:
             raise UserError(
                 f"the {self._title} {self.serial} has no {sensor.name} of {width} x {height} at "
-                f"{FPS} fps: update its firmware, or choose another mode="
+                f"{fps} fps: update its firmware, or choose another mode="
             ) from error
 
     def _configure(self, device: Any, options: CameraOptions) -> None:

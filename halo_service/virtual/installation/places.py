@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halo_service.errors import UserError
+from halo_service.geometry.k4a import DEPTH_FPS
 from halo_service.virtual.mesh import Floats
 
 AREA_MM = (300.0, 200.0)
@@ -24,7 +25,8 @@ COLUMNS = {1: 1, 2: 2, 3: 3, 4: 2, 5: 5, 6: 3}
 OFF_MM, OFF_DEG = 4.0, 2.5
 """How far a camera is from where it should be, at most: no bracket is exact; chosen."""
 SYNCS = ("wired", "none")
-FRAME_US = 33_333.0
+FRAME_US = 1e6 // max(DEPTH_FPS.values())
+"""Of the fastest depth modes."""
 
 
 @dataclass(frozen=True, slots=True)

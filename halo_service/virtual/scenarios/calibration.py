@@ -11,8 +11,8 @@ from halo_service.virtual.room import HEIGHT_MM, WIDTH_MM, Room
 from halo_service.virtual.scenario import Scenario
 from halo_service.virtual.scenarios.common import away, solo
 
-BACKGROUND_S = 2.5
-"""A little more than the paper's 60 frames (4.3.1)."""
+BACKGROUND_FRAMES = 75
+"""A little more than the paper's 60 (4.3.1)."""
 HOLD_S = 2.0
 HOVER_MM, SUBTLE_MM = 10.0, 1.0
 """About 1 cm and 0.1 cm (4.3.5, figure)."""
@@ -35,8 +35,13 @@ def with_hard_press(room: Room, rng: np.random.Generator) -> Scenario:
     return solo(room, rng, lambda p: _script(p, room, forces_g))
 
 
+def background_s(room: Room) -> float:
+    """How long the table stays empty at first."""
+    return BACKGROUND_FRAMES / room.camera().fps
+
+
 def _script(p: Timeline, room: Room, forces_g: Mapping[str, float]) -> Iterator[Segment]:
-    yield from p.step("background", p.hold(BACKGROUND_S))
+    yield from p.step("background", p.hold(background_s(room)))
     middle = {"x_mm": WIDTH_MM / 2.0, "y_mm": HEIGHT_MM / 2.0, "pitch_deg": 45.0}
     yield from p.reach(1.2, **middle, height_mm=25.0)
     for name, height in (("hover", HOVER_MM), ("subtle", SUBTLE_MM)):

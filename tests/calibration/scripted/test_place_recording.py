@@ -14,7 +14,7 @@ from halo_service.app.virtual_user.user import MARKER_AT, SHEET_AT
 from halo_service.outputs.recorder import Recorder
 from halo_service.profile import Profile
 from halo_service.profile.store import load
-from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.camera import factory
 from halo_service.virtual.room import Room, draw_room
 from tests.filmed import Film
 
@@ -34,7 +34,7 @@ def recording(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A recording; its script and the profile made of both are in its folder."""
     folder = tmp_path_factory.mktemp("place")
     recording = folder / "place.mkv"
-    with Recorder(recording, factory(), fps=FPS, colour=True) as recorder:
+    with Recorder(recording, factory(), fps=factory().fps, colour=True) as recorder:
         film = Film(room, recorder)
         film.user.follow(PROMPTS["background"])
         film.step("background", 60)

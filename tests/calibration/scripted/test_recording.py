@@ -22,7 +22,7 @@ from halo_service.profile import Profile
 from halo_service.profile.store import load
 from halo_service.sources import EndOfSource
 from halo_service.values import BadFrame, Frame, Tracked
-from halo_service.virtual.camera import FPS, factory
+from halo_service.virtual.camera import factory
 from halo_service.virtual.offline import frames
 from halo_service.virtual.scenarios import start_scenario
 from halo_service.virtual.sensor import Sensor
@@ -32,6 +32,7 @@ from tests.kind_sensor import KIND_URL
 pytestmark = pytest.mark.slow
 
 MODE = "NFOV_2X2BINNED"
+FPS = factory(mode=MODE).fps
 """A quarter of the pixels: the recording is written and read in a third of the time."""
 SIM = parse_sim_url(f"sim:calibration?seed=4&mode={MODE}&{KIND_URL}")
 SWEEP_S = 13.6

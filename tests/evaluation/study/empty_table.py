@@ -15,17 +15,19 @@ from halo_service.geometry.camera import Camera
 from halo_service.profile import Profile
 from halo_service.values import Tracked
 from halo_service.virtual.offline import SimulatedRecording
-from halo_service.virtual.scenarios.calibration import BACKGROUND_S
+from halo_service.virtual.scenarios.calibration import background_s
 from halo_service.virtual.sim_url import parse_sim_url
 
 USER = User(205, "paper")
+TABLE = parse_sim_url(f"sim:idle?seed={USER.seed}&material=paper")
+EMPTY_S = background_s(TABLE.room)
 SHORT = Task("short", "demo", 0.2, ends=False)
 LONG = Task("long", "demo", 60.0, ends=False)
 ENOUGH = 50
 """Frames of the empty table: the calibration needs 45."""
 STATES = ("hover", "subtle", "touch", "pressure")
 SCRIPT: tuple[Line, ...] = (
-    {"step": "background", "from_s": 0.0, "to_s": BACKGROUND_S},
+    {"step": "background", "from_s": 0.0, "to_s": EMPTY_S},
     *({"step": name, "from_s": 3.0 + k, "to_s": 3.5 + k} for k, name in enumerate(STATES)),
 )
 """No state is held."""
@@ -39,9 +41,7 @@ def blind(camera: Camera, profile: Profile | None, hands: int) -> Iterator[Track
 
 def store_empty_table(folder: Path) -> None:
     """Store the user's calibration with the empty table alone."""
-    empty = SimulatedRecording(
-        parse_sim_url(f"sim:idle?seed={USER.seed}&material=paper"), BACKGROUND_S, colour=False
-    )
+    empty = SimulatedRecording(TABLE, EMPTY_S, colour=False)
     first = islice((frame for frame, _ in empty if frame is not None), ENOUGH)
     frames = [store_whole(frame, Tracked(0, ())) for frame in first]
     cache = cache_in(folder)

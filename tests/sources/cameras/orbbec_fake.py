@@ -129,7 +129,7 @@ class FakeVideoStreamProfile:
         return self.lens.height
 
     def get_fps(self):
-        return 30
+        return self.bench.fps
 
     def get_intrinsic(self):
         found = self.bench.ob.OBCameraIntrinsic()
@@ -154,7 +154,8 @@ class FakeStreamProfileList:
         self.bench, self.profile = bench, profile
 
     def get_video_stream_profile(self, width, height, form, fps):
-        if (width, height, fps) != (self.profile.get_width(), self.profile.get_height(), 30):
+        profile = self.profile
+        if (width, height, fps) != (profile.get_width(), profile.get_height(), profile.get_fps()):
             raise self.bench.ob.OBError("no matched video stream profile")
         return self.profile
 
@@ -209,7 +210,7 @@ class OrbbecBench:
 
     def __init__(self, camera: Camera, frames: list[Frame], serials=("A", "B")):
         self.ob = real()
-        self.frames, self.spoilt = frames, {}
+        self.frames, self.spoilt, self.fps = frames, {}, camera.fps
         self.devices = [FakeDevice(self, serial) for serial in serials]
         self.start_fails = ""
         self.zero_time = False
@@ -251,7 +252,7 @@ class OrbbecBench:
         )
         made.update_data((image[: height // 2] if torn else image).tobytes())
         if not self.zero_time:
-            ob.Frame.set_frame_device_timestamp_us(made, 5_000_000 + number * 33_333)
+            ob.Frame.set_frame_device_timestamp_us(made, 5_000_000 + number * 1_000_000 // self.fps)
         made.set_system_timestamp_us(time.time_ns() // 1000)
         return made
 

@@ -73,6 +73,16 @@ def test_a_second_at_15_frames_a_second_gives_the_same_touches(late: int) -> Non
     assert len({id_ for id_, _, _ in touched}) == 1
 
 
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("late", [0, 1, 3])
+def test_a_camera_of_15_frames_a_second_gives_the_same_touches(first: int, late: int) -> None:
+    touched = downs(sense(late, range(first, len(path()), 2)))
+    assert [x for _, _, x in touched] == [x for _, _, x in downs(sense(0))]
+    assert len({id_ for id_, _, _ in touched}) == 1
+    later = [a[1] - b[1] for a, b in zip(touched, downs(sense(0)), strict=True)]
+    assert set(later) == {0, 1}, "at most a frame of 33 ms later"
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_dropped_frames_give_the_same_touches(seed: int) -> None:
     lost = np.random.default_rng(seed).random(len(path())) < 0.1

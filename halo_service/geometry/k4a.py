@@ -48,6 +48,7 @@ DEPTH_FPS = {
     "NFOV_UNBINNED": 30,
     "NFOV_2X2BINNED": 30,
     "WFOV_2X2BINNED": 30,
+    "WFOV_UNBINNED": 15,
 }
 """Frames a second that a camera is asked for in each depth mode: the most that an Azure Kinect has
 (hardware specification), and a Femto has all of them."""

@@ -31,13 +31,20 @@ class Mode:
     specification)."""
     signal: float
     """Infrared of the narrow unbinned mode's: the square of the published operating ranges (3.86,
-    5.46 and 2.88 m)."""
+    5.46, 2.88 and 2.21 m)."""
+    exposure: float = 1.0
+    """Its exposure's length, of the narrow unbinned mode's (12.8 and 20.3 ms: hardware
+    specification)."""
+    idle_us: float = 1450.0
+    """Between two of the nine pulses of its laser (hardware specification, depth sensor raw
+    timing)."""
 
 
 MODES = {
     "NFOV_UNBINNED": Mode(1.18, 1.0),
     "NFOV_2X2BINNED": Mode(1.18, 2.0),
     "WFOV_2X2BINNED": Mode(1.0, 0.56),
+    "WFOV_UNBINNED": Mode(1.0, 0.33, exposure=1.59, idle_us=2390.0),
 }
 """Both devices have them: it is the same sensor. Their rates are `k4a.DEPTH_FPS`."""
 

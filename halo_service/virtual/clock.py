@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from halo_service.geometry.k4a import DEPTH_FPS
-from halo_service.virtual.camera import DEPTH_MODE, DEVICES
+from halo_service.virtual.camera import DEPTH_MODE, DEVICES, MODES
 from halo_service.virtual.room import Room
 
 START_US = 500_000
@@ -39,6 +39,8 @@ class Clock:
     """Where in a minute that begins."""
     first_s: float = 0.0
     """Host time of the first frame."""
+    idle_us: float = MODES[DEPTH_MODE].idle_us
+    """Between two pulses of its laser."""
 
     def exposed_s(self, index: int) -> float:
         """Host time at which a frame is due."""
@@ -112,4 +114,5 @@ def _one_clock(room: Room, scenario: str) -> Clock:
         room.sensor.clock_drift_ppm,
         room.sensor.slow_s_per_minute,
         float(rng.uniform(0.0, MINUTE_S)),
+        idle_us=MODES[room.mode].idle_us,
     )

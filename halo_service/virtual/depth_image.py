@@ -79,7 +79,7 @@ class DepthImager:
 
     def __init__(self, room: Room, camera: Camera, surface: Surface) -> None:
         self._lens, self._from_surface = camera.depth, surface.camera_from_surface
-        self._exposure_ms = room.sensor.exposure_ms
+        self._exposure_ms = room.sensor.exposure_ms * MODES[camera.depth_mode].exposure
         self.view = scene.look(camera.depth, surface.camera_from_surface)
         self.top = scene.top(self.view, room)
         self._light = scene.illumination(self.view) * np.float32(MODES[camera.depth_mode].signal)

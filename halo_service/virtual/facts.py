@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from halo_service.values import Finger
 from halo_service.virtual.bodies import Body, block
+from halo_service.virtual.camera import DEPTH_MODE, MODES
 from halo_service.virtual.clock import clock_of
 from halo_service.virtual.hand import pointing
 from halo_service.virtual.noise import DRIFT_MM
@@ -193,9 +194,9 @@ def _edge_px() -> float:
     return float(np.count_nonzero((across < -20.0) & (across > -95.0)))
 
 
-def _swept(speed_mm_s: float) -> tuple[Depth, NDArray[np.float64]]:
+def _swept(speed_mm_s: float, mode: str = DEPTH_MODE) -> tuple[Depth, NDArray[np.float64]]:
     """Depth and infrared of a finger 100 mm up that moves to the right, over black."""
-    room = replace(QUIET, camera_height_mm=500.0, material="black")
+    room = replace(QUIET, camera_height_mm=500.0, material="black", mode=mode)
     sensor = Sensor(room, colour_times=0, started_us=WARM_US)
     hand = replace(_hand(room, 100.0), velocity_mm_s=np.array([speed_mm_s, 0.0, 0.0]))
     frame = sensor.frame(1, [hand])
@@ -205,9 +206,13 @@ def _swept(speed_mm_s: float) -> tuple[Depth, NDArray[np.float64]]:
     return frame.depth[box].astype(np.float64), frame.ir[box].astype(np.float64)
 
 
-def _blur_px() -> float:
+def _blur_px(mode: str = DEPTH_MODE) -> float:
     """How much wider a finger is in the infrared at 1,000 mm/s than at 500."""
-    slow, fast = (np.count_nonzero(_swept(v)[1] > 450.0, axis=1).mean() for v in (500.0, 1e3))
+    least = 450.0 * MODES[mode].signal
+    slow, fast = (
+        np.count_nonzero(_swept(speed_mm_s, mode)[1] > least, axis=1).mean()
+        for speed_mm_s in (500.0, 1e3)
+    )
     return float(fast - slow)
 
 
@@ -342,6 +347,14 @@ FACTS = (
         "px",
         5.0,
         7.0,
+    ),
+    Statement(
+        "20.3 ms of exposure, wide unbinned: wider by 500 mm/s",
+        "hardware specification",
+        functools.partial(_blur_px, "WFOV_UNBINNED"),
+        "px",
+        8.0,
+        11.0,
     ),
     Statement(
         "the illuminator's shadow next to 100 mm",

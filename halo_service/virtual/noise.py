@@ -57,8 +57,9 @@ class Electronics:
         shape = lens.height, lens.width
         size = shape[0] + SPARE, shape[1] + SPARE
         rng = np.random.default_rng([*room.noise_seed, 1])
-        # The colour image draws from it too, and is larger.
-        white = rng.standard_normal((_COLOUR_ROWS + SPARE, _COLOUR_COLUMNS + SPARE), np.float32)
+        # The colour image draws from it too.
+        most = max(size[0], _COLOUR_ROWS + SPARE), max(size[1], _COLOUR_COLUMNS + SPARE)
+        white = rng.standard_normal(most, np.float32)
         self._white = Pool(white, shape)
         step = (white * np.float32(GRAIN * self._times)).astype(np.int8)
         self._brighter, self._darker = (

@@ -35,7 +35,8 @@ class SensorModel:
     slow_s_per_minute: float = 1.0
     """For so long in each minute only 15 frames a second arrive (Azure Kinect ROS driver #194)."""
     exposure_ms: float = 12.8
-    """From the first of nine pulses to the last: what moves is blurred (hardware specification)."""
+    """From the first of nine pulses to the last, in the narrow unbinned mode: what moves is blurred
+    (hardware specification)."""
     edge_width_px: int = 5
     """Width of the band along a silhouette that is interpolated between front and back
     (Azure-Kinect-Sensor-SDK #789: a few pixels)."""

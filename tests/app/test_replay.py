@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +33,13 @@ MODE = "NFOV_2X2BINNED"
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a recording of the virtual demo, its truth, and a profile of its room."""
-    folder = tmp_path_factory.mktemp("session")
-    request = parse_sim_url(f"sim:demo?seed=3&mode={MODE}&{KIND_URL}")
-    truth = []
-    with Recorder(folder / "recording.mkv", request.room.camera(), fps=30, colour=True) as recorder:
+    return recorded(tmp_path_factory.mktemp("session"), MODE)
+
+
+def recorded(folder: Path, mode: str) -> Path:
+    request = parse_sim_url(f"sim:demo?seed=3&mode={mode}&{KIND_URL}")
+    camera, truth = request.room.camera(), []
+    with Recorder(folder / "recording.mkv", camera, fps=camera.fps, colour=True) as recorder:
         for frame, lines in frames(request, SECONDS):
             if frame is not None:
                 recorder.write(frame)
@@ -67,6 +71,22 @@ def test_rendered_frames_become_touches_and_twice_the_same(session: Path, tmp_pa
     ]
     # The virtual sensor's truth against what was sensed of it: a first sight, not the bench.
     assert len(contacts) * 0.5 <= len(downs) <= len(contacts) * 1.5
+
+
+@pytest.mark.slow
+def test_touches_are_found_at_15_frames_a_second(tmp_path: Path) -> None:
+    folder = recorded(tmp_path, "WFOV_UNBINNED")
+    lines = replay(folder, tmp_path / "lines.jsonl", "--profile", str(folder / "profile"))
+    times = [line["time_us"] for line in lines]
+    assert min(later - earlier for earlier, later in pairwise(times)) > 60_000
+    downs_us = [
+        line["time_us"] for line in lines for event in line["events"] if event["kind"] == "down"
+    ]
+    truth = json.loads((folder / "truth.json").read_text())
+    contacts = [line["contact"] for line in truth if "contact" in line]
+    assert len(contacts) == 2
+    for down_us, contact in zip(downs_us, contacts, strict=False):  # a third has not ended
+        assert abs(down_us - contact["from_us"]) < 70_000
 
 
 DIAGNOSTICS = (

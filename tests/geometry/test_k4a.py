@@ -195,6 +195,10 @@ def test_every_truncation_is_refused():
             read(whole[:length])
 
 
+def test_every_depth_mode_has_a_rate():
+    assert set(k4a.DEPTH_FPS) == set(k4a.DEPTH_MODES)
+
+
 def test_the_sdk_s_trailing_nul_is_accepted():
     assert_same(read(json.dumps(small()).encode() + b"\0"), read(small()))
 

@@ -14,7 +14,6 @@ from halo_service.outputs.recorder import Recorder
 from halo_service.values import Frame
 
 JPEG = b"\xff\xd8 not looked into by anybody here \xff\xd9"
-PERIOD_US = 33_333
 
 
 @pytest.fixture(scope="session")
@@ -30,12 +29,38 @@ def small_camera() -> Camera:
 
 
 @pytest.fixture(scope="session")
-def small_frames() -> list[Frame]:
+def small_frames(small_camera) -> list[Frame]:
+    return frames_of(small_camera)
+
+
+@pytest.fixture(scope="session")
+def small_recording(tmp_path_factory, small_camera, small_frames) -> Path:
+    return recorded(tmp_path_factory.mktemp("recording"), small_camera, small_frames)
+
+
+@pytest.fixture(scope="session")
+def wide_camera(small_camera) -> Camera:
+    """The same device in the mode with most pixels, at half the rate."""
+    data, mode = k4a.to_json(small_camera), "WFOV_UNBINNED"
+    return k4a.from_json(data, depth_mode=mode, colour_resolution="720P", fps=k4a.DEPTH_FPS[mode])
+
+
+@pytest.fixture(scope="session")
+def wide_frames(wide_camera) -> list[Frame]:
+    return frames_of(wide_camera)
+
+
+@pytest.fixture(scope="session")
+def wide_recording(tmp_path_factory, wide_camera, wide_frames) -> Path:
+    return recorded(tmp_path_factory.mktemp("recording"), wide_camera, wide_frames)
+
+
+def frames_of(camera: Camera) -> list[Frame]:
     rng = np.random.default_rng(1)
-    flat = np.full((288, 320), 700, np.uint16)
+    flat = np.full((camera.depth.height, camera.depth.width), 700, np.uint16)
     return [
         Frame(
-            463_000 + n * PERIOD_US,
+            463_000 + n * 1_000_000 // camera.fps,
             flat + rng.integers(0, 4, flat.shape, np.uint16),
             flat * 2 + rng.integers(0, 9, flat.shape, np.uint16),
             JPEG + bytes([n]),
@@ -44,11 +69,10 @@ def small_frames() -> list[Frame]:
     ]
 
 
-@pytest.fixture(scope="session")
-def small_recording(tmp_path_factory, small_camera, small_frames) -> Path:
-    path = tmp_path_factory.mktemp("recording") / "small.mkv"
-    with Recorder(path, small_camera, fps=30, colour=True) as recorder:
-        for frame in small_frames:
+def recorded(folder: Path, camera: Camera, frames: list[Frame]) -> Path:
+    path = folder / "recording.mkv"
+    with Recorder(path, camera, fps=camera.fps, colour=True) as recorder:
+        for frame in frames:
             assert recorder.write(frame)
     return path
 

@@ -178,7 +178,7 @@ def test_options_reach_the_device(monkeypatch):
     monkeypatch.setattr(azure_kinect, "_sdk", lambda: sdk)
     AzureKinect(
         CameraOptions(
-            mode="WFOV_2X2BINNED",
+            mode="WFOV_UNBINNED",
             exposure_ms=8.0,
             gain=90,
             power_line_hz=60,
@@ -186,7 +186,8 @@ def test_options_reach_the_device(monkeypatch):
             sync_delay_us=160,
         )
     )
-    assert sdk.configs[0]["depth_mode"] == sdk.DepthMode.WFOV_2X2BINNED
+    assert sdk.configs[0]["depth_mode"] == sdk.DepthMode.WFOV_UNBINNED
+    assert sdk.configs[0]["camera_fps"] == sdk.FPS.FPS_15
     assert sdk.configs[0]["wired_sync_mode"] == sdk.WiredSyncMode.SUBORDINATE
     assert sdk.configs[0]["subordinate_delay_off_master_usec"] == 160
     (device,) = sdk.devices

@@ -13,6 +13,7 @@ GOOD = {
         "femto-bolt",
         CameraOptions(serial="CL8", mode="WFOV_2X2BINNED"),
     ),
+    "azure-kinect,mode=WFOV_UNBINNED": ("azure-kinect", CameraOptions(mode="WFOV_UNBINNED")),
     "femto-bolt,exposure_ms=8,gain=70,power_line_hz=50": (
         "femto-bolt",
         CameraOptions(exposure_ms=8.0, gain=70, power_line_hz=50),
@@ -32,7 +33,7 @@ def test_a_name_is_read(name):
 BAD = {
     "femto-bolt,serail=3": "no option 'serail'; did you mean 'serial'",
     "femto-bolt,address=1.2.3.4": "no option 'address'",
-    "femto-bolt,mode=WFOV_UNBINNED": "choose from: NFOV_UNBINNED",
+    "femto-bolt,mode=PASSIVE_IR": "choose from: NFOV_UNBINNED",
     "femto-bolt,serial=": "must not be empty",
     "femto-bolt,serial": "give it a value with '='",
     "femto-bolt,exposure_ms=nan": "in range 0.1..100",

@@ -28,7 +28,8 @@ from halo_service.virtual.sim_url import parse_sim_url
 from tests.sources.cameras.kinect_fake import KinectBench
 from tests.sources.cameras.orbbec_fake import OrbbecBench
 
-SMALL = CameraOptions(mode="NFOV_2X2BINNED")
+SMALL, WIDE = CameraOptions(mode="NFOV_2X2BINNED"), CameraOptions(mode="WFOV_UNBINNED")
+RATES = {SMALL: 30, WIDE: 15}
 SOURCES = ("azure-kinect", "femto-bolt", "bag", "recording", "switched", "sim")
 DEVICES = ("azure-kinect", "femto-bolt")
 
@@ -49,27 +50,33 @@ def no_device(*_: object) -> None:
 
 
 @pytest.fixture
-def setup(request, monkeypatch, small_camera, small_frames, small_recording) -> Setup:
+def options() -> CameraOptions:
+    """The mode of the device, for tests that do not say another."""
+    return SMALL
+
+
+@pytest.fixture
+def setup(request, monkeypatch, options) -> Setup:
     monkeypatch.setenv("DISPLAY", ":0")
+    camera, frames, recording = (
+        request.getfixturevalue(f"{'small' if options == SMALL else 'wide'}_{what}")
+        for what in ("camera", "frames", "recording")
+    )
     if request.param == "recording":
-        return Setup(
-            lambda _: Recording(small_recording, realtime=False, loop=False), *[no_device] * 3
-        )
+        return Setup(lambda _: Recording(recording, realtime=False, loop=False), *[no_device] * 3)
     if request.param == "switched":
         return Setup(
-            lambda _: SwitchedSource(Recording(small_recording, realtime=False, loop=False)),
+            lambda _: SwitchedSource(Recording(recording, realtime=False, loop=False)),
             *[no_device] * 3,
         )
     if request.param == "sim":
-        fast = "sim:demo,mode=NFOV_2X2BINNED,sensor=kind"
+        fast = f"sim:demo,mode={options.mode},sensor=kind"
         return Setup(lambda _: VirtualKinect(parse_sim_url(fast)), *[no_device] * 3)
     if request.param == "bag":
-        playback = OrbbecBench(small_camera, small_frames)
-        return Setup(
-            lambda _: Bag(small_recording, realtime=False, sdk=playback.sdk), *[no_device] * 3
-        )
+        playback = OrbbecBench(camera, frames)
+        return Setup(lambda _: Bag(recording, realtime=False, sdk=playback.sdk), *[no_device] * 3)
     if request.param == "azure-kinect":
-        kinects = KinectBench(small_camera, small_frames)
+        kinects = KinectBench(camera, frames)
         monkeypatch.setattr(azure_kinect, "_sdk", lambda: kinects)
         return Setup(
             AzureKinect,
@@ -77,7 +84,7 @@ def setup(request, monkeypatch, small_camera, small_frames, small_recording) -> 
             lambda: kinects.serials.insert(0, "A"),
             kinects.spoilt.__setitem__,
         )
-    bench = OrbbecBench(small_camera, small_frames)
+    bench = OrbbecBench(camera, frames)
     removed = bench.devices[0]
     now_s = iter(range(10_000))
     return Setup(
@@ -103,8 +110,11 @@ def captures(source: Source, count: int) -> list[Frame | BadFrame]:
 
 
 @every(*SOURCES)
-def test_frames_have_the_stated_shape_units_and_time_and_stay_as_they_are(setup: Setup) -> None:
-    with closing(setup.open(SMALL)) as source:
+@pytest.mark.parametrize("options", RATES, ids=lambda options: options.mode)
+def test_frames_have_the_stated_shape_units_and_time_and_stay_as_they_are(
+    setup: Setup, options: CameraOptions
+) -> None:
+    with closing(setup.open(options)) as source:
         (first,) = captures(source, 1)
         assert isinstance(first, Frame)
         depth, ir = first.depth.copy(), first.ir.copy()
@@ -113,8 +123,8 @@ def test_frames_have_the_stated_shape_units_and_time_and_stay_as_they_are(setup:
         np.testing.assert_array_equal(first.ir, ir)
         lens, colour = source.camera.depth, source.camera.colour
     source.close()  # twice is fine
-    assert source.camera.depth_mode == "NFOV_2X2BINNED"
-    assert source.camera.fps == 30
+    assert source.camera.depth_mode == options.mode
+    assert source.camera.fps == RATES[options]
     assert source.camera.serial
     assert len(frames) == 5
     for frame in frames:
@@ -130,7 +140,9 @@ def test_frames_have_the_stated_shape_units_and_time_and_stay_as_they_are(setup:
             assert frame.colour.shape == (colour.height, colour.width, 3)
     times_us = [frame.time_us for frame in frames]
     assert (np.diff(times_us) > 0).all()
-    if source.kind != "recording":
+    if source.kind == "recording":
+        assert np.diff(times_us) == pytest.approx(1e6 / source.camera.fps, abs=1000)
+    else:
         assert abs(times_us[-1] - time.time_ns() // 1000) < 5_000_000, "Unix time"
 
 

@@ -207,9 +207,13 @@ def test_another_model_is_named(bench) -> None:
         opened(bench)
 
 
-def test_a_mode_that_the_firmware_lacks_is_named(bench) -> None:
-    with pytest.raises(UserError, match=r"has no DEPTH_SENSOR of 640 x 576 at 30 fps: update"):
-        opened(bench, mode="NFOV_UNBINNED")
+@pytest.mark.parametrize(
+    ("mode", "lacks"),
+    [("NFOV_UNBINNED", "640 x 576 at 30 fps"), ("WFOV_UNBINNED", "1024 x 1024 at 15 fps")],
+)
+def test_a_mode_that_the_firmware_lacks_is_named(bench, mode: str, lacks: str) -> None:
+    with pytest.raises(UserError, match=f"has no DEPTH_SENSOR of {lacks}: update its firmware"):
+        opened(bench, mode=mode)
 
 
 def test_without_a_display_a_bolt_is_not_started_and_the_remedy_is_named(

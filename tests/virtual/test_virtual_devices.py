@@ -25,6 +25,7 @@ SIZES = {
     "NFOV_UNBINNED": (640, 576),
     "NFOV_2X2BINNED": (320, 288),
     "WFOV_2X2BINNED": (512, 512),
+    "WFOV_UNBINNED": (1024, 1024),
 }
 
 
@@ -83,17 +84,28 @@ def test_a_hand_is_where_the_lens_says_at_every_height_tilt_and_mode(
     assert int(middle) == pytest.approx(height_mm, abs=6.0)
 
 
-@pytest.mark.parametrize("device", DEVICES)
-def test_a_recording_in_another_mode_is_read_back_as_it_was_drawn(tmp_path, device):
-    url = f"sim:idle?sensor=true&device={device}&mode=NFOV_2X2BINNED&drop=0&seed=3"
+@pytest.mark.parametrize("device, mode", EVERY)
+def test_a_device_runs_at_the_rate_of_its_mode(device, mode):
+    room = Room(device=device, mode=mode)
+    assert room.camera().fps == k4a.DEPTH_FPS[mode]
+    assert clock_of(room, "idle").fps == pytest.approx(room.camera().fps, rel=0.005)
+
+
+@pytest.mark.parametrize(
+    "device, mode",
+    [("kinect", "NFOV_2X2BINNED"), ("bolt", "NFOV_2X2BINNED"), ("bolt", "WFOV_UNBINNED")],
+)
+def test_a_recording_in_another_mode_is_read_back_as_it_was_drawn(tmp_path, device, mode):
+    url = f"sim:idle?sensor=true&device={device}&mode={mode}&drop=0&seed=3"
     recording = SimulatedRecording(parse_sim_url(url), 0.2)
     path = tmp_path / "binned.mkv"
     with Recorder(path, recording.camera, fps=recording.camera.fps, colour=True) as recorder:
         drawn = [frame for frame, _ in recording if frame is not None]
         for frame in drawn:
             recorder.write(frame)
+    assert len(drawn) == 0.2 * k4a.DEPTH_FPS[mode]
     recording = Recording(path, realtime=False, loop=False)
-    assert recording.camera.depth_mode == "NFOV_2X2BINNED"
+    assert (recording.camera.depth_mode, recording.camera.fps) == (mode, k4a.DEPTH_FPS[mode])
     for frame in drawn:
         read = recording.read(1.0)
         assert read.time_us == frame.time_us

@@ -178,7 +178,15 @@ def test_wired_cameras_expose_one_after_the_other():
     [(0.0, 1.0), (62.5, 0.5), (160.0, 0.0), (1575.0, 8 / 9), (-1575.0 * 8, 1 / 9), (14_000.0, 0.0)],
 )
 def test_lasers_share_light_while_both_are_on(apart_us, share):
-    assert common_light(apart_us) == pytest.approx(share)
+    assert common_light(apart_us, 1450.0) == pytest.approx(share)
+
+
+def test_in_the_wide_unbinned_mode_the_laser_pauses_for_longer():
+    (clock, _) = clocks_of(
+        parse_sim_url("sim:idle,cameras=2,mode=WFOV_UNBINNED").room, "idle"
+    ).values()
+    assert common_light(2515.0, clock.idle_us) == pytest.approx(8 / 9)
+    assert common_light(1575.0, clock.idle_us) == 0.0
 
 
 def shared(options, frames):

@@ -22,9 +22,9 @@ from halo_service.virtual.scene import View
 
 Image = NDArray[np.float32]
 
-PULSE_US, IDLE_US = 125.0, 1450.0
-"""For each depth image the laser is on nine times for 125 us, and off for 1450 us in between (Azure
-Kinect DK, "Synchronize multiple devices"; hardware specification, depth sensor raw timing)."""
+PULSE_US = 125.0
+"""For each depth image the laser is on nine times for 125 us, and off in between for as long as the
+depth mode says (Azure Kinect DK, "Synchronize multiple devices")."""
 NOISE_MM = 6.0
 """Deviation of depth where another camera lights all nine pulses as brightly; chosen."""
 LOSS = 0.25
@@ -34,9 +34,12 @@ SOFT = 0.2
 _SPARE = 100
 
 
-def common_light(apart_us: float) -> float:
-    """Share of one camera's pulses in which another's laser is on that starts so much later."""
-    period = PULSE_US + IDLE_US
+def common_light(apart_us: float, idle_us: float) -> float:
+    """Share of one camera's pulses in which another's laser is on that starts so much later.
+
+    `idle_us`: between two pulses, of both.
+    """
+    period = PULSE_US + idle_us
     pulses = round(apart_us / period)
     common_us = max(0.0, PULSE_US - abs(apart_us - pulses * period))
     return common_us / PULSE_US * max(0, PULSES - abs(pulses)) / PULSES
@@ -48,7 +51,7 @@ def shares(mine: Clock, others: Mapping[int, Clock], index: int) -> dict[int, fl
     found = {}
     for number, other in others.items():
         nearest = round((now_s - other.first_s) * other.fps)
-        share = common_light(1e6 * (other.exposed_s(nearest) - now_s))
+        share = common_light(1e6 * (other.exposed_s(nearest) - now_s), mine.idle_us)
         if share > 0.0:
             found[number] = share
     return found

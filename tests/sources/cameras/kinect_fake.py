@@ -54,8 +54,10 @@ class KinectBench:
 
     ImageFormat = SimpleNamespace(COLOR_MJPG=0)
     ColorResolution = SimpleNamespace(RES_720P=1)
-    DepthMode = SimpleNamespace(NFOV_2X2BINNED=1, NFOV_UNBINNED=2, WFOV_2X2BINNED=3)
-    FPS = SimpleNamespace(FPS_30=2)
+    DepthMode = SimpleNamespace(
+        NFOV_2X2BINNED=1, NFOV_UNBINNED=2, WFOV_2X2BINNED=3, WFOV_UNBINNED=4
+    )
+    FPS = SimpleNamespace(FPS_15=1, FPS_30=2)
     WiredSyncMode = SimpleNamespace(STANDALONE=0, MASTER=1, SUBORDINATE=2)
 
     def __init__(self, camera, frames=(), serials=("A", "B"), busy=(), failing=()):
@@ -82,6 +84,6 @@ class KinectBench:
             depth=None if lacks == "depth" else frame.depth.copy(),
             ir=None if lacks == "IR" else frame.ir.copy(),
             color=memoryview(frame.colour),
-            depth_timestamp_usec=5_000_000 + number * 33_333,
+            depth_timestamp_usec=5_000_000 + number * 1_000_000 // self.camera.fps,
             depth_system_timestamp_nsec=time.perf_counter_ns(),
         )

@@ -28,7 +28,8 @@ IDLE_S = 0.001
 WINDOW, MOST_LATE = 30, 6
 """With so many late frames of so many the load is high (chosen: single ones are normal)."""
 CALM = 150
-"""Frames in a row with at most `CALM_LATE` late ones, five seconds, after which it is lower."""
+"""Frames in a row with at most `CALM_LATE` late ones, five seconds at 30 a second, after which it
+is lower."""
 CALM_LATE = 3
 
 

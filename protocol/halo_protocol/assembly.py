@@ -15,9 +15,9 @@ from halo_protocol.stream import Stream
 TIMEOUT_S = 3.0
 """Silence after which a service counts as lost; it sends at least once a second."""
 SUPERSEDED_S = 0.5
-"""The same for a session with pointers (it sends a frame every 33 ms) when its node has a newer
-session: the service was killed and restarted, and the old fingers must not stay for 3 s. Likewise
-when its node has left."""
+"""The same for a session with pointers (it sends a frame every 33 or 67 ms) when its node has a
+newer session: the service was killed and restarted, and the old fingers must not stay for 3 s.
+Likewise when its node has left."""
 MAX_STREAMS = 64
 """Sessions at the same time; beyond, the one that was silent for longest is closed."""
 

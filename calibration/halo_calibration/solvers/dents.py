@@ -27,13 +27,14 @@ PER_MM, PER_DEG = 0.01, 0.05
 ROUNDS, OUTLIER_SIGMAS = 4, 3.0
 """A sample that lies farther off than this is left out of the next round: a misread finger."""
 LEAST_SAMPLES = 100
-"""Fewer give no curve: three seconds of a sweep."""
+"""Fewer give no curve: three seconds of a sweep at 30 frames a second."""
 SLOPE = 1.0
 """Standard deviation that a slope of the logarithm has before any sample, per unit; halved with
 each power. It holds what the samples do not determine near 1, and limits nothing that they do
 (chosen: a halo may change by half its strength over the surface)."""
 CORRELATED = 15
-"""Samples in a row that count as one: half a second, in which a finger is misread alike."""
+"""Samples in a row that count as one: half a second at 30 frames a second, in which a finger is
+misread alike. A slower camera counts as less certain than it is."""
 KNOWN_PITCH_DEG = (30.0, 60.0)
 """Between the outermost wedges but one; beyond them fingers are misread, and the curve stays."""
 

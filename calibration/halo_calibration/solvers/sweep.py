@@ -19,7 +19,7 @@ SWEEP_S = 20.0
 CELL_MM = 50.0
 """Coverage is counted in cells of 5 cm: the halo changes slowly over the surface."""
 CELL_SAMPLES = 3
-"""Frames that make a cell covered: a tenth of a second."""
+"""Frames that make a cell covered: a tenth of a second at 30 a second."""
 LEAST_COVERED = 0.6
 GOOD_COVERED = 0.85
 """Share of the cells."""

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 SUMMARY = "measure the sensing: on virtual users, a recording or a real table"
 EXAMPLE = "halo evaluate --quick"
 
-STUDY = ("quick", "users", "materials", "tasks", "labels", "cache", "cached_only", "jobs", "sensor")
+STUDY = (
+    "quick", "users", "materials", "tasks", "labels", "cache", "cached_only", "jobs", "sensor",
+    "heights", "modes",
+)  # fmt: skip
 """Options of the study alone."""
 LIVE = ("source", "no_colour")
 """Options of a session on a real table alone."""
@@ -43,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--materials", type=_names, default=(), metavar="M,...", help="paper,...")
     parser.add_argument(
         "--sensor", choices=("true", "kind"), help="of the virtual camera (quick: kind, else true)"
+    )
+    parser.add_argument(
+        "--heights", type=_heights, default=(), metavar="MM,...", help="each user under each"
+    )
+    parser.add_argument(
+        "--modes", type=_names, default=(), metavar="M,...", help="depth modes: each user in each"
     )
     parser.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
     parser.add_argument("--labels", type=Path, metavar="DIR", help="touches of real people")
@@ -101,6 +110,8 @@ def _results(options: argparse.Namespace) -> Sequence[Result]:
         options.cached_only,
         options.jobs,
         options.sensor,
+        options.heights,
+        options.modes,
     )
     return evaluate.evaluate(settings, study, _confirm)
 
@@ -151,6 +162,10 @@ def _numbers(text: str) -> tuple[int, ...]:
     if not all(part.isdecimal() for part in _names(text)):
         raise argparse.ArgumentTypeError(f"{text!r} must be whole numbers with commas between")
     return tuple(int(part) for part in _names(text))
+
+
+def _heights(text: str) -> tuple[float, ...]:
+    return tuple(float(mm) for mm in _numbers(text))
 
 
 def _count(text: str) -> int:

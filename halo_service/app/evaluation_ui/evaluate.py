@@ -32,7 +32,9 @@ from halo_service.profile.store import load as load_profile
 from halo_service.profile.store import profile_path, require_fit, require_touch
 from halo_service.settings import Settings, TrackingSettings
 from halo_service.values import Frame, Tracked
+from halo_service.virtual.camera import MODES
 from halo_service.virtual.materials import MATERIALS, STUDIED
+from halo_service.virtual.sim_url import parse_sim_url
 
 ASK_H = 0.5
 """A run that takes longer begins only after a question, where somebody can answer."""
@@ -53,6 +55,10 @@ class StudyOptions:
     jobs: int | None = None
     sensor: str | None = None
     """Of the virtual camera; None: `kind` for the quick study, else `true`."""
+    heights_mm: tuple[float, ...] = ()
+    """Of the virtual camera above the table; empty: the user's own."""
+    modes: tuple[str, ...] = ()
+    """Its depth modes; empty: the user's own."""
 
 
 def known_methods(wanted: Sequence[str]) -> tuple[str, ...]:
@@ -147,7 +153,7 @@ def looking(
 def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
     materials = study.choose(options.materials or STUDIED, tuple(MATERIALS), "material")
     if options.cached_only:
-        plan = _cached(cache, options.users, materials, options.sensor)
+        plan = _cached(cache, options, materials)
     elif options.quick:
         plan = study.quick_plan(
             options.users or study.QUICK_USERS, materials, options.sensor or "kind"
@@ -156,6 +162,11 @@ def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
         files = () if options.labels is None else _label_files(options.labels)
         users, sensor = options.users or study.REPORTED, options.sensor or "true"
         plan = study.plan(users, materials, labels=files, sensor=sensor)
+    if not options.cached_only:
+        modes = study.choose(options.modes, tuple(MODES), "depth mode")
+        plan = study.seen_from(plan, options.heights_mm, modes)
+        for user in plan:
+            parse_sim_url(user.source(study.CALIBRATION))  # refuses a camera that is too high
     names = sorted({task.name for tasks in plan.values() for task in tasks})
     wanted = study.choose(options.tasks or tuple(names), tuple(names), "task")
     plan = {
@@ -165,25 +176,33 @@ def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
 
 
 def _cached(
-    cache: RecordingCache, users: Sequence[int], materials: Sequence[str], sensor: str | None
+    cache: RecordingCache, options: StudyOptions, materials: Sequence[str]
 ) -> dict[User, tuple[Task, ...]]:
     """Plan only what the cache holds."""
     plan = {}
     for file in sorted(cache.folder.glob(f"*/{study.CALIBRATION.name}.npz")):
-        seed, material, kind = (*file.parent.name.split("-"), "true", "")[:3]
-        if not seed.isdigit() or material not in materials or sensor not in (None, kind):
+        user = study.user_of(file.parent.name)
+        if user is None or not _is_wanted(user, options, materials):
             continue
-        user = User(int(seed), material, kind)
-        if not users or user.seed in users:
-            labels = sorted(file.parent.glob(f"{study.LABELS.name}-*.npz"))
-            tasks = (*study.ALL_TASKS, *(replace(study.LABELS, name=each.stem) for each in labels))
-            plan[user] = tuple(task for task in tasks if cache.has(user, task))
+        labels = sorted(file.parent.glob(f"{study.LABELS.name}-*.npz"))
+        tasks = (*study.ALL_TASKS, *(replace(study.LABELS, name=each.stem) for each in labels))
+        plan[user] = tuple(task for task in tasks if cache.has(user, task))
     if not plan:
         raise UserError(
             f"no cached recordings of these users and materials in {cache.folder}; leave out "
             f"--cached-only to simulate them"
         )
     return plan
+
+
+def _is_wanted(user: User, options: StudyOptions, materials: Sequence[str]) -> bool:
+    return (
+        user.material in materials
+        and options.sensor in (None, user.sensor)
+        and (not options.users or user.seed in options.users)
+        and (not options.heights_mm or user.height_mm in options.heights_mm)
+        and (not options.modes or user.mode in options.modes)
+    )
 
 
 def _label_files(folder: Path) -> list[Path]:

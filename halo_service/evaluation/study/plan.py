@@ -5,6 +5,7 @@ Rule: names and numbers only; the study's own (5.1, 5.2) unless a line says why 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -119,6 +120,10 @@ GEOMETRY = {
 camera of the others."""
 
 
+FOLDER = re.compile(r"(\d+)-([a-z]+)(?:-([a-z]+))?(?:-([\d.]+)mm)?(?:-([A-Z][A-Z\d_]*))?")
+"""The name of a user's folder, see `User.name`."""
+
+
 @dataclass(frozen=True, slots=True)
 class User:
     """A virtual user at a table of one material."""
@@ -127,19 +132,45 @@ class User:
     material: str
     sensor: str = "true"
     """Of the virtual camera."""
+    height_mm: float | None = None
+    """Of the virtual camera above the table; None: the user's own."""
+    mode: str | None = None
+    """Its depth mode; None: the user's own."""
 
     @property
     def name(self) -> str:
         """Of the folder."""
-        kind = "" if self.sensor == "true" else f"-{self.sensor}"
-        return f"{self.seed}-{self.material}{kind}"
+        parts = [str(self.seed), self.material]
+        parts += [] if self.sensor == "true" else [self.sensor]
+        parts += [] if self.height_mm is None else [f"{self.height_mm:g}mm"]
+        parts += [] if self.mode is None else [self.mode]
+        return "-".join(parts)
 
     def source(self, task: Task) -> str:
         """Return the source of the virtual camera."""
-        options = (("seed", str(self.seed)), ("material", self.material), *task.options)
-        options += () if self.sensor == "true" else (("sensor", self.sensor),)
-        options += GEOMETRY[self.seed].options if self.seed in GEOMETRY else ()
-        return f"sim:{task.scenario}?" + "&".join(f"{key}={quote(text)}" for key, text in options)
+        options = {"seed": str(self.seed), "material": self.material, **dict(task.options)}
+        if self.sensor != "true":
+            options["sensor"] = self.sensor
+        if self.seed in GEOMETRY:
+            options |= GEOMETRY[self.seed].options
+        if self.height_mm is not None:
+            options["camera_height_mm"] = f"{self.height_mm:g}"
+        if self.mode is not None:
+            options["mode"] = self.mode
+        return f"sim:{task.scenario}?" + "&".join(
+            f"{key}={quote(text)}" for key, text in options.items()
+        )
+
+
+def user_of(name: str) -> User | None:
+    """Return the user of a folder's name, None where it is not one."""
+    named = FOLDER.fullmatch(name)
+    if named is None:
+        return None
+    seed, material, sensor, height_mm, mode = named.groups()
+    return User(
+        int(seed), material, sensor or "true", None if height_mm is None else float(height_mm), mode
+    )
 
 
 Plan = Mapping[User, tuple[Task, ...]]
@@ -179,6 +210,21 @@ def quick_plan(
             task for task in QUICK_TASKS if task.every_material or index < QUICK_ONCE
         )
         for index, seed in enumerate(users)
+    }
+
+
+def seen_from(
+    plan: Plan, heights_mm: Sequence[float], modes: Sequence[str]
+) -> dict[User, tuple[Task, ...]]:
+    """Return the plan with every user under each camera: all heights in all depth modes.
+
+    Empty: the user's own height or mode.
+    """
+    return {
+        replace(user, height_mm=height_mm, mode=mode): tasks
+        for user, tasks in plan.items()
+        for height_mm in heights_mm or (None,)
+        for mode in modes or (None,)
     }
 
 

@@ -81,6 +81,49 @@ def test_fresh_users_mix_heights_tilts_modes_and_devices(seeds: tuple[int, ...])
     assert {camera.device for camera in cameras} == {"kinect", "bolt"}
 
 
+VIEWED = User(213, "plastic", "kind", 700.0, study.WIDE)
+
+
+@pytest.mark.parametrize(
+    "user",
+    [
+        User(205, "paper"),
+        User(205, "paper", "kind"),
+        User(205, "paper", height_mm=350.0),
+        User(205, "paper", mode=study.BINNED),
+        User(205, "paper", height_mm=487.5, mode=study.NARROW),
+        VIEWED,
+    ],
+    ids=lambda user: user.name,
+)
+def test_a_folders_name_says_which_user_it_is(user: User) -> None:
+    assert study.user_of(user.name) == user
+
+
+@pytest.mark.parametrize("name", ["", "notes", "205", "205-paper-700", "205-paper-kind-x"])
+def test_other_folders_are_no_users(name: str) -> None:
+    assert study.user_of(name) is None
+
+
+def test_a_sweep_sees_each_user_from_each_height_in_each_mode() -> None:
+    swept = study.seen_from(quick_plan((204,)), (350.0, 1000.0), (study.NARROW, study.WIDE))
+    rooms = [parse_sim_url(user.source(tasks[0])).room for user, tasks in swept.items()]
+    assert [(room.camera_height_mm, room.mode) for room in rooms] == [
+        (350.0, study.NARROW),
+        (350.0, study.WIDE),
+        (1000.0, study.NARROW),
+        (1000.0, study.WIDE),
+    ]
+    own = quick_plan((204,))
+    assert study.seen_from(own, (), ()) == own
+
+
+def test_a_sweep_moves_also_users_with_a_camera_of_their_own() -> None:
+    room = parse_sim_url(VIEWED.source(study.POINTING)).room
+    assert (room.camera_height_mm, room.mode) == (700.0, study.WIDE)
+    assert room.camera_pitch_deg == study.GEOMETRY[213].pitch_deg
+
+
 def test_no_two_tasks_share_a_file() -> None:
     assert len({task.name for task in study.ALL_TASKS}) == len(study.ALL_TASKS)
 

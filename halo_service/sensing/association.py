@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from halo_service.sensing.detections import Detection
-from halo_service.sensing.finger_frame import unit
+from halo_service.sensing.finger_frame import Pixel, unit
 from halo_service.sensing.kalman import Place, born, distance
 from halo_service.sensing.label_pixels import FINGER_MM
 from halo_service.sensing.registration import HeightMap, path_px
@@ -160,13 +160,14 @@ def _detected(finger: Track, detection: Detection, maps: Sequence[HeightMap]) ->
         return finger
     votes = min(max(finger.votes + _vote(detection.side), -MOST_VOTES), MOST_VOTES)
     way_px = path_px(maps, detection.tip_px, detection.time_us)
-    off_mm = math.dist(finger.at(detection.time_us).place_mm, detection.place_mm)
+    then_mm, now_mm = finger.at(detection.time_us).place_mm, finger.history[-1].place_mm
+    off_mm = math.dist(then_mm, detection.place_mm)
     off_place = finger.off_place + 1 if off_mm > BESIDE_MM else 0
     seen = replace(
         finger,
         detection=detection,
         votes=votes,
-        went_px=way_px or (0.0, 0.0),
+        went_px=way_px or _way_px(then_mm, now_mm, detection.on_surface),
         history=detected(
             finger, detection.place_mm, detection.time_us, way_px, detection.on_surface
         ),
@@ -178,6 +179,11 @@ def _detected(finger: Track, detection: Detection, maps: Sequence[HeightMap]) ->
     (x, y), (new_x, new_y) = finger.direction, unit(detection.distal_px, detection.tip_px)
     turned = x + TURN_SHARE * (new_x - x), y + TURN_SHARE * (new_y - y)
     return replace(seen, direction=unit((0.0, 0.0), turned))
+
+
+def _way_px(from_mm: Place, to_mm: Place, px_per_mm: float) -> Pixel:
+    (x, y), (to_x, to_y) = from_mm, to_mm
+    return (to_x - x) * px_per_mm, (to_y - y) * px_per_mm
 
 
 def _vote(side: Side) -> int:

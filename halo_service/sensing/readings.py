@@ -33,6 +33,9 @@ PATCH_MM = (15.0, -3.0, 17.0)
 """Half the breadth of the paper's patch of 30 x 20 mm, and its ends along the finger (4.3.3)."""
 EDGE = np.ones((3, 3), np.uint8)
 """A pixel next to a hand is not surface either: a camera averages along an edge."""
+LEAST_VISIBLE = 0.3
+"""Share of the surface around a fingertip: where less is visible, what is deepest there says little
+about the halo (chosen)."""
 LEAST_PX = 5
 """Fewer pixels are noise."""
 NORMAL = NormalDist()
@@ -94,6 +97,8 @@ def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tu
     visible = np.count_nonzero(seen & beside) / max(np.count_nonzero(beside), 1)
     patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
     around = excess_mm[seen & reached]
+    if visible < LEAST_VISIBLE:
+        return total, math.nan, math.nan, math.nan
     # Where other fingers hide half of a halo, half of its deep parts are visible.
     px_per_mm2 = visible * on_surface(profile) ** 2
     typical_mm = float(np.median(noise_mm))

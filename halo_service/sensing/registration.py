@@ -53,6 +53,8 @@ class HeightMap:
     cells: NDArray[np.float32]
     """(h, w) heights, mm, with `PAD` empty cells to each side."""
     cell_px: int
+    cell_mm: float
+    """On the surface: `CELL_MM`, rounded to whole pixels."""
 
 
 def height_map(
@@ -65,7 +67,7 @@ def height_map(
     above_mm *= above_mm >= LOWEST_MM
     heights = cv2.blur(above_mm, (3, 3))
     padded = cv2.copyMakeBorder(heights, PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
-    return HeightMap(time_us, np.asarray(padded, np.float32), cell_px)
+    return HeightMap(time_us, np.asarray(padded, np.float32), cell_px, cell_px / px_per_mm)
 
 
 def shift_px(
@@ -85,7 +87,7 @@ def shift_px(
         return None
     off = np.asarray(cv2.matchTemplate(where, sought, cv2.TM_SQDIFF), np.float32)
     x, y = (REACH + each / now.cell_px for each in expected_px)
-    surprise = np.float32(squares * SURPRISE * CELL_MM**2) * _distances2(off.shape, x, y)
+    surprise = np.float32(squares * SURPRISE * now.cell_mm**2) * _distances2(off.shape, x, y)
     row, column = _least(off + surprise)
     # The expectation decides between two hands, not about a millimetre.
     top, left = max(row - NEAR, 0), max(column - NEAR, 0)

@@ -36,7 +36,7 @@ HALOS: dict[str, Callable[..., NDArray[np.float64]]] = {
     "towards the palm": lambda right, down: bell(right, down - 5.0),
     "drawn out": lambda right, down: bell(right, down / 1.8),
     "lopsided": lambda right, down: bell(right, down) * (1.0 + 0.3 * np.tanh(right / 10.0)),
-    "flat": lambda right, down: np.where(np.hypot(right, down) < 16.0, 1.0, 0.0),
+    "flat": lambda right, down: np.where(np.hypot(right, down) < 16.0, 1.0, 1e-3),
 }
 
 
@@ -95,6 +95,16 @@ def test_a_halo_that_another_finger_half_hides_reads_as_deep(
     assert read[1:3] == pytest.approx(whole[1:3], rel=0.1)
 
 
+@pytest.mark.parametrize(("hidden_px", "read"), [(0.0, True), (6.0, True), (16.0, False)])
+def test_a_halo_that_other_fingers_hide_nearly_is_not_read(
+    profile: Profile, hidden_px: float, read: bool
+) -> None:
+    """All that shows is its far rim."""
+    scene = segmentation(excess())
+    rim = replace(scene, free=scene.free & (PAD_PX[0] - hidden_px > COLUMNS))
+    assert np.isfinite(readings(rim, found(), profile)[1:]).all() == read
+
+
 def test_skin_that_reads_as_the_empty_surface_does_is_left_out(profile: Profile) -> None:
     seen = excess(40.0)
     true = readings(segmentation(seen), found(), profile)
@@ -148,7 +158,9 @@ def held(profile: Profile) -> Profile:
             readings=(1e5 * depth_mm, *read),
             noise=(9e5, 0.1, 0.1, 0.1),
         )
-    return replace(profile, touch=replace(profile.touch, **states))
+    # 0 means unmeasured; the mean of an empty surface is hardly ever a whole number.
+    background = replace(profile.background, mean_mm=profile.background.mean_mm - np.float32(0.01))
+    return replace(profile, touch=replace(profile.touch, **states), background=background)
 
 
 @pytest.mark.parametrize("beside_mm", [None, -14.0], ids=["free", "a neighbour next to it"])

@@ -1,7 +1,8 @@
 """Stage 7: the touch detector: from probabilities of contact to touches.
 
 A touch begins when the probability passes one level and ends when it falls below another
-(hysteresis). Pure: time is an argument.
+(hysteresis). Single frames are misread, so an end must be confirmed by the next frame (`debounce`):
+one that is below the geometric mean of both levels. Pure: time is an argument.
 """
 
 from __future__ import annotations
@@ -37,9 +38,11 @@ class Detector:
     rose: float = 0.0
     """How fast the level rose lately, in one frame: the most, fading."""
     lowest_mm: float = math.nan
-    """The lowest height by its own depth in this touch; nan while it does not touch."""
+    """The lowest height by its own depth in this touch; nan after it."""
     rest: float = math.nan
     """The smoothed level while it does not touch."""
+    ending: bool = False
+    """Whether its touch ended in the last frame; the next one confirms that or not."""
     was_apart: bool = True
     """Whether it was ever seen apart from the surface, or came in over its edge. One that was found
     pressing in the middle must lift first, because it is unknown when it came down."""
@@ -76,7 +79,11 @@ def detect(
         touching = probability >= settings.up_level
     else:
         still = speed_mm_s < settings.fast_mm_s
-        touching = (before.was_apart or came_in) and still and probability >= settings.down_level
+        enough = settings.down_level
+        if before.ending:
+            enough = math.sqrt(settings.up_level * settings.down_level)
+        touching = (before.was_apart or came_in) and still and probability >= enough
+    ending = before.touching and not touching
     changed = touching != before.touching
     return Detector(
         probability=probability,
@@ -86,9 +93,10 @@ def detect(
         ago_us=round((time_us - before.time_us) * _since(before.level, seen.level, meets))
         if changed
         else 0,
-        rose=max(rise, rose),
+        rose=max(rise, rose + min(rise, 0.0)),
         rest=before.rest if touching else before.rest + RESTS * (seen.level - before.rest),
-        lowest_mm=_lowest_mm(before.lowest_mm, seen.height_mm) if touching else math.nan,
+        lowest_mm=_lowest_mm(before.lowest_mm, seen.height_mm) if touching or ending else math.nan,
+        ending=ending,
         was_apart=apart,
     )
 

@@ -23,6 +23,7 @@ from halo_service.sensing.registration import HeightMap, path_px
 from halo_service.sensing.tracks import (
     BESIDE_MM,
     LANDMARK_MM,
+    STRAYED_MM,
     Phase,
     Track,
     carried_on,
@@ -73,7 +74,11 @@ def associate(
     new = [
         each
         for each in others
-        if each.extended and not any(_is_on(finger, each.place_mm) for finger in kept)
+        if each.extended
+        and not any(
+            _is_on(finger, each.place_mm) and not _is_apart(each.place_mm, each, finger.detection)
+            for finger in kept
+        )
     ]
     taken = {finger.slot for finger in kept}
     slots = (slot for slot in range(SLOTS) if slot not in taken)
@@ -231,9 +236,19 @@ def _is_double(finger: Track, tracks: Sequence[Track]) -> bool:
     return any(
         (-other.strayed, other.detection.time_us, -other.id) > mine
         and _is_on(other, finger.history[-1].place_mm)
+        and not _is_apart(finger.history[-1].place_mm, finger.detection, other.detection)
         for other in tracks
         if other is not finger and other.phase is not Phase.TENTATIVE
     )
+
+
+def _is_apart(place_mm: Place, own: Detection, other: Detection) -> bool:
+    """Return whether one look shows two fingers, and a place is its own one's: a thumb is next to
+    an index finger, or to another hand's thumb.
+    """
+    is_own = math.dist(place_mm, own.place_mm) < STRAYED_MM
+    apart_mm = math.dist(own.place_mm, other.place_mm)
+    return is_own and own.time_us == other.time_us and apart_mm > BESIDE_MM
 
 
 def _is_on(finger: Track, place_mm: Place) -> bool:

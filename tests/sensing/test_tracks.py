@@ -167,6 +167,38 @@ def test_two_pointers_on_one_finger_become_one() -> None:
     assert [finger.id for finger in found] == [1]
 
 
+@pytest.mark.parametrize(
+    ("side", "tip_px"),
+    [(Side.RIGHT, (106.0, 330.0)), (Side.LEFT, (115.0, 300.0))],
+    ids=["of an index finger", "of the other hand's"],
+)
+def test_a_thumb_next_to_the_line_of_another_finger_has_its_own_track(
+    side: Side, tip_px: tuple[float, float]
+) -> None:
+    """One look shows both."""
+    finger = replace(detection(100), finger=Finger.INDEX if side is Side.RIGHT else Finger.THUMB)
+    thumb = replace(finger, side=side, finger=Finger.THUMB, tip_px=tip_px)
+    fingers: tuple[Track, ...] = ()
+    for n in range(12):
+        look = tuple(replace(each, time_us=n * FRAME_US) for each in (finger, thumb))
+        fingers = associate(fingers, look, len(fingers) + 1)
+        fingers = tuple(
+            measured(each, n * FRAME_US, tip(*place), True, 1.0)
+            for each, place in zip(fingers, [(100.0, 300.0), (108.0, tip_px[1])], strict=False)
+        )
+    assert [each.id for each in fingers] == [1, 2]
+
+
+@pytest.mark.parametrize("apart_px", [0.0, 8.0])
+def test_two_landmarks_on_one_finger_are_one(apart_px: float) -> None:
+    """The hand model puts two fingers on one where it sees them badly."""
+    index = detection(100, 0)
+    middle = replace(index, finger=Finger.MIDDLE, tip_px=(100.0, 300.0 + apart_px))
+    (finger,) = associate((), (index,), 1)
+    look = tuple(replace(each, time_us=FRAME_US) for each in (index, middle))
+    assert [each.id for each in associate((finger,), look, 2)] == [1]
+
+
 def test_a_finger_that_is_detected_elsewhere_for_long_ends() -> None:
     fingers = live(100)
     assert [finger.id for finger in associate(fingers, (detection(400, 12),), 9)] == [1, 9]

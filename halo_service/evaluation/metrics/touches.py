@@ -120,8 +120,9 @@ def score_touches(frames: Sequence[TouchFrame], truth: Truth) -> Touches:
     others = [down for down in rest if down not in doubled]
     outside = [down for down in others if any(_overlaps(down, touch) for touch in touches)]
     times = [frame.time_us for frame in frames]
-    whole = {k: touch for k, touch in enumerate(touches) if touch.ended and touch.frames}
-    unseen = {k: touch for k, touch in enumerate(touches) if touch.ended and not touch.frames}
+    counted = {k: touch for k, touch in enumerate(touches) if touch.ended and not touch.beyond}
+    whole = {k: touch for k, touch in counted.items() if touch.frames}
+    unseen = {k: touch for k, touch in counted.items() if not touch.frames}
     return Touches(
         tuple(
             _hit(touch, downs[hit_by[k]], truth, times) for k, touch in whole.items() if k in hit_by

@@ -5,6 +5,7 @@ Rule: pure. The metrics see this and the published frames, and nothing else.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +15,9 @@ import numpy as np
 
 from halo_service.geometry.surface import Surface
 from halo_service.values import Finger, Side
+
+BEYOND_MM = 20.0
+"""What is touched farther outside the surface is no touch of it (`edge_margin_mm` in halo.toml)."""
 
 Line = dict[str, Any]
 """One line of a truth or script file."""
@@ -64,6 +68,8 @@ class TrueTouch:
     """How many depth frames show it."""
     ended: bool = True
     """False for a touch that the recording's end cuts off: it is neither hit nor missed."""
+    beyond: bool = False
+    """Whether it is beyond the surface and its margin: neither hit nor missed too."""
 
     @property
     def aim_mm(self) -> tuple[float, float]:
@@ -125,7 +131,16 @@ def _touch(line: Line, surface: Surface, times: Sequence[int]) -> TrueTouch:
         (target[0], target[1]) if target else None,
         line.get("key"),
         bisect_right(times, to_us) - bisect_left(times, from_us),
+        beyond=_outside_mm(target[0] if target else x, target[1] if target else y, surface)
+        > BEYOND_MM,
     )
+
+
+def _outside_mm(x_mm: float, y_mm: float, surface: Surface) -> float:
+    """Return how far a place is outside the surface, 0 on it."""
+    dx = max(-x_mm, x_mm - surface.width_mm, 0.0)
+    dy = max(-y_mm, y_mm - surface.height_mm, 0.0)
+    return math.hypot(dx, dy)
 
 
 def _cut_off(frames: Sequence[TrueFrame], touches: Sequence[TrueTouch]) -> list[TrueTouch]:

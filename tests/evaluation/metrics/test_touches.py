@@ -57,6 +57,13 @@ CASES = {
         {5: [down()]},
         {"missed": 1, "outside": 1},
     ),
+    "never reported, 19 mm outside the surface": ([contact(4.5, 9, -19.0)], {}, {"missed": 1}),
+    "never reported, beyond its margin": (
+        [contact(4.5, 9, 285.0, 219.0, target_mm=[321.0, 100.0])],
+        {},
+        {},
+    ),
+    "reported beyond the margin": ([contact(4.5, 9, 100.0, 222.0)], {5: [down(y_mm=222.0)]}, {}),
     "reported while nothing touched": ([], {5: [down()]}, {"ghosts": 1}),
     "two that follow closely, each reported": (
         [contact(4.5, 6.5), contact(8.5, 11)],

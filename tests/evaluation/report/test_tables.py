@@ -49,7 +49,7 @@ def taps(count=6, missed=(), doubled=(), off_mm=1.0, early=()):
     lines, events, fingers = [], {}, {}
     for k in range(count):
         begin = 12 * k + 5
-        aim = [80.0 + 20.0 * (k % 3), 60.0 + 40.0 * (k // 3)]
+        aim = [80.0 + 20.0 * (k % 3), 60.0 + 40.0 * (k // 3 % 4)]
         lines.append(contact(begin - 0.5, begin + 5, *aim, target_mm=aim))
         fingers |= {frame: [finger(*aim)] for frame in range(begin, begin + 6)}
         if k not in missed:

@@ -18,7 +18,7 @@ from typing import TypeVar
 import cv2
 
 from halo_service.evaluation.study.calibrate import by_script
-from halo_service.evaluation.study.plan import CALIBRATION, User
+from halo_service.evaluation.study.plan import CALIBRATION, user_of
 from halo_service.evaluation.study.recording import load, restored
 from halo_service.evaluation.study.simulate import background_of
 from halo_service.geometry.camera import Camera
@@ -58,9 +58,10 @@ def main() -> int:
 
 
 def _camera(folder: Path) -> Camera:
-    """Return the camera of a user's folder, SEED-MATERIAL or SEED-MATERIAL-kind."""
-    seed, material, *sensor = folder.name.split("-")
-    user = User(int(seed), material, *sensor)
+    """Return the camera of a user's folder, as `User.name` names it."""
+    user = user_of(folder.name)
+    if user is None:
+        raise SystemExit(f"{folder} is not a user's folder; name one that --cache wrote")
     return parse_sim_url(user.source(CALIBRATION)).room.camera()
 
 

@@ -77,10 +77,10 @@ def region_picture(
 def _around(hand: NDArray[np.bool_]) -> tuple[slice, slice]:
     """Return the rows and columns that hold a hand and all that its relief is compared with."""
     left, top, width, height = cv2.boundingRect(hand.view(np.uint8))
-    beside, above = (each // 2 for each in RELIEF_PX)
+    reach_x, reach_y = (each // 2 for each in RELIEF_PX)
     return (
-        slice(max(top - above, 0), top + height + above),
-        slice(max(left - beside, 0), left + width + beside),
+        slice(max(top - reach_y, 0), top + height + reach_y),
+        slice(max(left - reach_x, 0), left + width + reach_x),
     )
 
 

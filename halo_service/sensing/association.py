@@ -243,8 +243,9 @@ def _is_double(finger: Track, tracks: Sequence[Track]) -> bool:
 
 
 def _is_apart(place_mm: Place, own: Detection, other: Detection) -> bool:
-    """Return whether one look shows two fingers, and a place is its own one's: a thumb is next to
-    an index finger, or to another hand's thumb.
+    """Return whether one look shows two fingers: `own`, which is at a place, and another one.
+
+    A thumb may be next to an index finger, or to the other hand's thumb.
     """
     is_own = math.dist(place_mm, own.place_mm) < STRAYED_MM
     apart_mm = math.dist(own.place_mm, other.place_mm)

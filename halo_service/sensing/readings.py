@@ -95,10 +95,10 @@ def readings(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> tu
     reached = (along**2 + across**2 < AROUND_MM**2) & (along > -BACK_MM)
     beside = reached & ((np.abs(across) > FINGER_MM[0]) | (along > FINGER_MM[1]))
     visible = np.count_nonzero(seen & beside) / max(np.count_nonzero(beside), 1)
-    patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
-    around = excess_mm[seen & reached]
     if visible < LEAST_VISIBLE:
         return total, math.nan, math.nan, math.nan
+    patch = excess_mm[seen & (np.abs(across) <= half) & (along > back) & (along <= ahead)]
+    around = excess_mm[seen & reached]
     # Where other fingers hide half of a halo, half of its deep parts are visible.
     px_per_mm2 = visible * on_surface(profile) ** 2
     typical_mm = float(np.median(noise_mm))

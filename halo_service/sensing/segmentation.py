@@ -122,11 +122,11 @@ def infrared_silhouette(
     share = infrared[part] / np.maximum(background.infrared[part], np.float32(1.0))
     least = np.float32(max(DIFFERS, DIFFERS_SIGMAS * background.infrared_noise))
     around_px = round(AROUND_MM * px_per_mm) | 1
-    raised = np.abs(excess_mm) > FLAT_MM
-    level = _mean_around(share, ~raised, around_px)
+    excluded = np.abs(excess_mm) > FLAT_MM
+    level = _mean_around(share, ~excluded, around_px)
     # That level still holds the end of a touching finger.
-    raised |= np.abs(share - level) > least * level
-    level = _mean_around(share, ~raised, around_px)
+    excluded |= np.abs(share - level) > least * level
+    level = _mean_around(share, ~excluded, around_px)
     differs = np.abs(share - level) > least * level
     # A median of 3 x 3: in a mask that is where five or more of nine differ, and costs a quarter.
     near = cv2.boxFilter(

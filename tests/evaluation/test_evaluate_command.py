@@ -31,6 +31,7 @@ from tests.kind_sensor import KIND_URL
             "unknown task 'juggling'; choose from: hover-5, pointing-20",
         ),
         (["--modes", "WIDE"], "unknown depth mode 'WIDE'; choose from: NFOV_UNBINNED"),
+        (["--cached-only", "--modes", "WIDE"], "unknown depth mode 'WIDE'; choose from: NFOV_UNB"),
         (["--quick", "--heights", "50"], "camera_height_mm is 50; give 300 to 1500"),
         (["--labels", "nowhere"], "no label file (*.txt) in nowhere"),
         (["--cached-only"], "no cached recordings of these users and materials"),

@@ -48,10 +48,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sensor", choices=("true", "kind"), help="of the virtual camera (quick: kind, else true)"
     )
     parser.add_argument(
-        "--heights", type=_heights, default=(), metavar="MM,...", help="each user under each"
+        "--heights",
+        type=_heights,
+        default=(),
+        metavar="MM,...",
+        help="camera heights: all for each user",
     )
     parser.add_argument(
-        "--modes", type=_names, default=(), metavar="M,...", help="depth modes: each user in each"
+        "--modes", type=_names, default=(), metavar="M,...", help="depth modes: all for each user"
     )
     parser.add_argument("--tasks", type=_names, default=(), metavar="T,...", help="pointing,...")
     parser.add_argument("--labels", type=Path, metavar="DIR", help="touches of real people")

@@ -152,6 +152,7 @@ def looking(
 
 def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
     materials = study.choose(options.materials or STUDIED, tuple(MATERIALS), "material")
+    modes = study.choose(options.modes, tuple(MODES), "depth mode")
     if options.cached_only:
         plan = _cached(cache, options, materials)
     elif options.quick:
@@ -163,7 +164,6 @@ def _plan(options: StudyOptions, cache: RecordingCache) -> Plan:
         users, sensor = options.users or study.REPORTED, options.sensor or "true"
         plan = study.plan(users, materials, labels=files, sensor=sensor)
     if not options.cached_only:
-        modes = study.choose(options.modes, tuple(MODES), "depth mode")
         plan = study.seen_from(plan, options.heights_mm, modes)
         for user in plan:
             parse_sim_url(user.source(study.CALIBRATION))  # refuses a camera that is too high

@@ -20,6 +20,7 @@ from halo_calibration.observe import Observation
 from halo_service.app.first_light.announce import Announcer
 from halo_service.app.first_light.pace import Pace, State
 from halo_service.app.first_light.plan import Task
+from halo_service.geometry.k4a import DEPTH_FPS
 from halo_service.profile import Profile
 from halo_service.sensing.background import DRIFT_GRID
 from halo_service.values import Frame
@@ -28,6 +29,8 @@ BEFORE_S = 0.4
 """Recorded before a finger is felt: the hand is found and followed in it."""
 SETTLING_S = 2.4
 """Recorded before a level is held, one frame in `THINNED`: the finger comes down in it."""
+MOST_FRAMES = round(max(DEPTH_FPS.values()) * SETTLING_S) + 1
+"""As many at the highest rate; more are not kept, even if the camera's clock goes back."""
 THINNED = 3
 AFTER_S = 0.2
 MISSED_S = 1.5
@@ -175,7 +178,7 @@ class _Tape:
 
     def __init__(self, keep: Callable[[Frame], None]) -> None:
         self._keep = keep
-        self._recent: deque[Frame] = deque()
+        self._recent: deque[Frame] = deque(maxlen=MOST_FRAMES)
         self._first_us: int | None = None
         self._live_us: int | None = None
         self._written_us = -1

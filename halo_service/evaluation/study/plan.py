@@ -120,7 +120,7 @@ GEOMETRY = {
 camera of the others."""
 
 
-FOLDER = re.compile(r"(\d+)-([a-z]+)(?:-([a-z]+))?(?:-([\d.]+)mm)?(?:-([A-Z][A-Z\d_]*))?")
+FOLDER = re.compile(r"(\d+)-([a-z]+)(?:-([a-z]+))?(?:-(\d+(?:\.\d+)?)mm)?(?:-([A-Z][A-Z\d_]*))?")
 """The name of a user's folder, see `User.name`."""
 
 

@@ -7,7 +7,8 @@ import pytest
 from halo_service.evaluation.metrics.pool import pool
 from halo_service.evaluation.metrics.timing import score_timing
 from halo_service.evaluation.metrics.touches import Touches, score_touches
-from halo_service.evaluation.metrics.truth import read_truth
+from halo_service.evaluation.metrics.truth import BEYOND_MM, read_truth
+from halo_service.sensing import SensingSettings
 from tests.evaluation.small_world import (
     SURFACE,
     at,
@@ -155,3 +156,7 @@ def test_lines_of_truth_may_come_in_any_order(order):
     truth = read_truth([lines[k] for k in order], SURFACE)
     assert [frame.time_us for frame in truth.frames] == [at(0), at(1)]
     assert truth.touches[0].frames == 1
+
+
+def test_no_touch_counts_where_the_service_reports_none():
+    assert SensingSettings().edge_margin_mm == BEYOND_MM

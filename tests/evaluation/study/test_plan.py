@@ -100,7 +100,9 @@ def test_a_folders_name_says_which_user_it_is(user: User) -> None:
     assert study.user_of(user.name) == user
 
 
-@pytest.mark.parametrize("name", ["", "notes", "205", "205-paper-700", "205-paper-kind-x"])
+@pytest.mark.parametrize(
+    "name", ["", "notes", "205", "205-paper-700", "205-paper-1.2.3mm", "205-paper-kind-x"]
+)
 def test_other_folders_are_no_users(name: str) -> None:
     assert study.user_of(name) is None
 

@@ -74,6 +74,7 @@ def _states(states: TouchStates, new_from_old: Matrix) -> TouchStates:
         subtle=held(states.subtle),
         touch=held(states.touch),
         pressure=held(states.pressure),
+        hard=None if states.hard is None else held(states.hard),
     )
 
 

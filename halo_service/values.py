@@ -123,7 +123,7 @@ class Fingertip:
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """The halo around one fingertip."""
+    """The halo around one fingertip, and the finger's own depth."""
 
     raw: float
     """Sum of the excess depth over the halo's pixels in the patch, mm px."""
@@ -137,6 +137,11 @@ class Signal:
     at_pitch: float = 1.0
     """What the finger's pitch leaves of a touching finger's halo: it decides touch and force, but a
     finger in the air reads otherwise."""
+    top_mm: float = math.nan
+    """Height of the finger's upper side by its own depth, as it would be at the place of the
+    calibration and at 45 degrees to the line of sight; nan where unmeasured."""
+    top_deviation_mm: float = math.inf
+    """The standard deviation of that by its place."""
 
     @property
     def dent_mm(self) -> float:

@@ -55,6 +55,8 @@ class Observation:
     """Of the fingertip; nan where its sides are not clear."""
     halo_behind_mm: float = math.nan
     """How far behind the pad the halo is deepest; nan where it is hidden."""
+    seen_deg: float = 45.0
+    """Angle between the finger and the line of sight."""
 
     @property
     def readings(self) -> tuple[float, ...]:
@@ -112,6 +114,7 @@ class Observer:
             tuple(depths_mm),
             tip.width_mm,
             halo_behind_mm(segmentation, tip, profile),
+            tip.seen_deg,
         )
 
     def _around(

@@ -74,6 +74,8 @@ class TouchState:
     the lower the stronger the halo. None where it was not measured."""
     top_noise_mm: float = 0.0
     """Standard deviation of that from frame to frame."""
+    seen_deg: float = 45.0
+    """Angle between the finger and the line of sight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +114,9 @@ class Correction:
     strength: Floats
     """(x, y, pitch, yaw) expected signal over that at the calibration's place and angle."""
     samples: Floats
-    """(N, 8) what the user swept: x and y in mm, pitch and yaw in degrees, then the readings; nan
-    where one was hidden or, in an older profile, not stored."""
+    """(N, 9) what the user swept: x and y in mm, pitch and yaw in degrees, then the readings and
+    the height of the finger's upper side in mm, as at 45 degrees to the line of sight; nan where
+    one was hidden or, in an older profile, not stored."""
     base: str
     """Name of its base model; empty: the user's samples only."""
     readings: Floats | None = None
@@ -122,6 +125,9 @@ class Correction:
     """(4, x, y) the standard deviation of its logarithm."""
     dent_by_pitch: Floats | None = None
     """(pitch,) depth of a touch's dent over that at the calibration's pitch."""
+    tops_mm: Floats | None = None
+    """(2, x, y) how much higher the upper side of a touching finger reads than at the calibration's
+    place, and the standard deviation of that; None: not known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -37,10 +37,10 @@ SURFACE = re.compile(r"(?!(?:control|sim)$)[a-z0-9_-]{1,32}")
 """What a surface may be called: its name is part of every address on the wire."""
 READINGS = 4
 GRID = ("x_mm", "y_mm", "pitch_deg", "yaw_deg", "strength", "samples")
-DENTS = ("readings", "deviations", "dent_by_pitch")
+DENTS = ("readings", "deviations", "dent_by_pitch", "tops_mm")
 """Arrays of a correction; older ones know only the signal."""
-SAMPLE_COLUMNS, OLD_COLUMNS = 8, 5
-"""Older samples have fewer; only the first five of those are the same."""
+SAMPLE_COLUMNS, OLD_COLUMNS = 9, (8, 5)
+"""Older samples have fewer; so many of those are the same."""
 
 
 def _checked_surface(surface: Surface) -> Surface:
@@ -197,12 +197,14 @@ def _correction(text: CorrectionText, folder: Path) -> Correction:
     shape = tuple(len(read[name]) for name in GRID[:4])
     shapes = {"strength": shape, "dent_by_pitch": shape[2:3]}
     shapes |= dict.fromkeys(("readings", "deviations"), (READINGS, *shape[:2]))
+    shapes |= {"tops_mm": (2, *shape[:2])}
     if any(name in read and read[name].shape != wanted for name, wanted in shapes.items()):
         raise ValueError("its correction's grid does not fit its axes")
-    if read["samples"].shape[1] < SAMPLE_COLUMNS:
-        missing = (0, 0), (0, SAMPLE_COLUMNS - OLD_COLUMNS)
-        known = read["samples"][:, :OLD_COLUMNS]
-        read["samples"] = np.pad(known, missing, constant_values=np.nan)
+    stored = read["samples"].shape[1]
+    if stored < SAMPLE_COLUMNS:
+        same = next(count for count in OLD_COLUMNS if count <= stored)
+        missing = (0, 0), (0, SAMPLE_COLUMNS - same)
+        read["samples"] = np.pad(read["samples"][:, :same], missing, constant_values=np.nan)
     return Correction(**read, base=text.base)
 
 

@@ -19,10 +19,10 @@ from halo_service.values import Finger, Fingertip, Signal
 
 CONTACT_LEVEL = 0.5
 """The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
-LEVEL_ODDS, RISE_ODDS, OWN_ODDS = 1.7, 0.2, 0.8
+LEVEL_ODDS, RISE_ODDS, OWN_ODDS = 1.7, 0.2, 1.0
 """Log-odds for each standard deviation of the level, of its rise in one frame, and of the finger's
 own depth (a logistic regression on tuning users, rounded). A normal distribution is worth 1.7; the
-own depth is worth half, for a fingertip that is found next to its place reads another depth."""
+own depth is worth less, for a fingertip that is found next to its place reads another depth."""
 STOP_ODDS = 0.3
 """Log-odds for each standard deviation by which the level rose faster just before: the surface
 stops a finger in one frame, a hovering one stops itself over several (chosen: with the most sigmas
@@ -78,7 +78,7 @@ def evidence(signal: Signal, tip: Fingertip, states: TouchStates) -> Evidence:
     """Return what a frame shows."""
     scale = span(signal, states.subtle, states.touch)
     deviation = math.hypot(min(scale.deviation, VAGUE_DEVIATION), LEVEL_DEVIATION)
-    height_mm, height_deviation_mm = own_height(tip, states)
+    height_mm, height_deviation_mm = own_height(signal, tip, states)
     calibrated = tip.finger is Finger.INDEX
     if not calibrated:
         height_deviation_mm = math.inf

@@ -9,12 +9,25 @@ has its own smooth curve over the place, with its uncertainty.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from halo_service.profile import Correction
 from halo_service.profile.model import Floats
+from halo_service.sensing.fingertips import plain_top_mm
 from halo_service.values import Fingertip
+
+UNSWEPT_TOP_MM = 2.5
+"""Without a sweep, a finger's own depth differs by so much from place to place (chosen)."""
+
+
+class Top(NamedTuple):
+    """The upper side of a finger."""
+
+    height_mm: float
+    deviation_mm: float
+    """Of one frame, by its place."""
 
 
 def correct(raw: float, tip: Fingertip, correction: Correction | None) -> float:
@@ -47,6 +60,16 @@ def leveled(
     # Older states have fewer readings.
     values = tuple(each / usual for each, usual in zip(read, expected, strict=False))
     return values, tuple(deviations)
+
+
+def leveled_top(tip: Fingertip, correction: Correction | None) -> Top:
+    """Return the upper side at the calibration's place and at 45 degrees to the line of sight."""
+    top_mm = plain_top_mm(tip.top_mm, tip.seen_deg)
+    if correction is None or correction.tops_mm is None:
+        return Top(top_mm, UNSWEPT_TOP_MM)
+    axes, grid = (correction.x_mm, correction.y_mm), correction.tops_mm.transpose(1, 2, 0)
+    higher_mm, deviation_mm = _read(grid, axes, tip.pad_mm).tolist()
+    return Top(top_mm - higher_mm, deviation_mm)
 
 
 def at_pitch(correction: Correction | None, pitch_deg: float) -> float:

@@ -21,9 +21,17 @@ from halo_service.sensing.ridge import angles, height_behind
 from halo_service.sensing.segmentation import Segmentation
 from halo_service.values import Depth, Fingertip
 
-NAIL_SHARE = 0.55
-"""Of the radius, behind the end: there the upper side is about as high at any pitch (chosen: 2.5 mm
-between 30 and 60 degrees, and 6 mm above the middle of the tip), and not yet at the edge."""
+NAIL_MM = 4.0
+"""The upper side's height is read so far behind the outline's end: on the nail, and not yet at the
+edge (chosen; farther back it depends more on the pitch). The same for every finger: the calibration
+does not know a finger's radius yet, and a millimetre farther back is a millimetre higher."""
+OBLIQUE_MM = 10.0
+"""How much higher that is for each unit of the cotangent of the angle between the finger and the
+line of sight: where the camera looks along a finger, the same place in the image lies farther back
+on it (measured on virtual users without long nails: 8 to 14; for a round end it is 2, and the rest
+is the finger's end that the halo takes)."""
+LEAST_SEEN_DEG = 12.0
+"""For a smaller angle that is not followed any farther."""
 TIP_RADIUS_MM = 7.0
 """Of a fingertip, if none was measured (chosen: half an adult's index finger)."""
 UNSEEN_CONFIDENCE = 0.4
@@ -61,12 +69,13 @@ def locate(
     back_px = math.dist(detection.distal_px, detection.tip_px)
     distal = end.place.moved(-back_px / px_per_mm).tip_px
 
-    top_mm = height_behind(segmentation, end.place, NAIL_SHARE * radius_mm)
-    height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
-    rays = camera.depth.rays(np.array([tip, distal]))
-    pad = _pad(rays, surface, height + radius_mm, radius_mm)
     read = angles(depth, segmentation, end.place, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
+    rays = camera.depth.rays(np.array([tip, distal]))
+    seen_deg = line_of_sight_deg(tuple(rays[0].tolist()), pitch, yaw, surface)
+    top_mm = height_behind(segmentation, end.place, NAIL_MM)
+    height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
+    pad = _pad(rays, surface, height + radius_mm, radius_mm)
     camera_mm = surface.to_camera(np.array([[pad[0], pad[1], -height]]))[0]
     confidence = detection.confidence
     if not end.clear:
@@ -86,7 +95,7 @@ def locate(
         confidence,
         end.width_mm,
         px_per_mm,
-        line_of_sight_deg(camera_mm, pitch, yaw, surface),
+        seen_deg,
     )
 
 
@@ -100,6 +109,16 @@ def line_of_sight_deg(
     along = surface.camera_from_surface[:3, :3] @ finger
     cosine = float(along @ np.array(camera_mm)) / max(float(np.linalg.norm(camera_mm)), 1.0)
     return math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
+
+
+def oblique(seen_deg: float) -> float:
+    """Return the cotangent of the angle between a finger and the line of sight."""
+    return 1.0 / math.tan(math.radians(max(seen_deg, LEAST_SEEN_DEG)))
+
+
+def plain_top_mm(top_mm: float, seen_deg: float) -> float:
+    """Return how high an upper side would read at 45 degrees to the line of sight."""
+    return top_mm - OBLIQUE_MM * (oblique(seen_deg) - 1.0)
 
 
 def _pad(rays: Points, surface: Surface, height_mm: float, radius_mm: float) -> tuple[float, float]:

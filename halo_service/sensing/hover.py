@@ -6,8 +6,10 @@ import math
 from itertools import accumulate
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halo_service.profile import TouchStates
+from halo_service.sensing.fingertips import OBLIQUE_MM, oblique, plain_top_mm
 from halo_service.sensing.states import Span, span, values_of
 from halo_service.values import Fingertip, Signal
 
@@ -27,20 +29,19 @@ TAIL = (
     (0.9, 0.06),
 )
 """The same above the hover state."""
-FADED = 0.3
-"""Below this share of the hover state's halo, the halo counts less, down to nothing at no halo: it
-carries no information there."""
 CURVE_MM, TAIL_CURVE_MM = 0.6, 3.0
 """Standard deviation of the curves above: between the held heights, and at the onset (chosen: half
 of what halos of different shapes differ by)."""
-OWN_MM = 2.5
-"""The finger's own depth differs by so much from place to place (chosen)."""
-TURNED = 2.0
-"""A finger that is turned shows another part of its upper side above the pad: its depth differs by
-that, and by as much again because steep and flat pitches are read too near to 45 degrees."""
-PLAIN_SEEN_DEG, LEAST_SEEN_DEG = 40.0, 5.0
-"""Angles between the finger and the line of sight. Below the first one the camera looks along the
-finger, and what it sees behind the tip's end is no longer above the pad."""
+UNHELD_MM = 6.0
+"""The finger's own depth differs by so much from its thickness in the hover state (chosen; only
+where the held states do not say how it reads near the surface)."""
+HEIGHTS = 161
+"""So many heights are weighed, from 0 to the highest one that the finger can have."""
+OWN_MM = 0.7
+"""The finger's own depth differs by so much from one posture of the hand to the next (chosen)."""
+OBLIQUE_DEVIATION_MM, ANGLE_DEG = 4.0, 3.0
+"""Standard deviations of `OBLIQUE_MM`, for fingers differ in their ends and their nails, and of the
+angle to the line of sight (measured on virtual users)."""
 LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
@@ -48,64 +49,71 @@ LEAST_FALL_MM = 4.0
 def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     """Return the pad's height, at least 0, and its standard deviation, mm; inf where unknown.
 
-    The mean of two estimates, each weighted by its variance: from the halo, on a falling curve
-    through the held states; and from the finger's own depth, as it read in these states. Above the
-    halo's reach the latter counts alone; there is no jump.
+    The mean over all heights, each weighted by how well it agrees with two measurements: the halo,
+    by a falling curve through the held states, and the finger's own depth, as it read in these
+    states. A halo that hardly changes over some heights says little about them, so above its reach
+    the finger's own depth counts alone.
     """
-    own_mm, own_deviation_mm = own_height(tip, states)
-    if signal.hidden or not states.hover.readings:
+    own_mm, own_deviation_mm = own_height(signal, tip, states)
+    rising = span(signal, states.hover, states.subtle)
+    if signal.hidden or not states.hover.readings or math.isinf(rising.deviation):
         seen = math.isfinite(own_mm)
         return (max(own_mm, 0.0), own_deviation_mm) if seen else (ONSET_MM, math.inf)
-    halo_mm, halo_deviation_mm, share = _halo_height(signal, states)
-    if math.isnan(own_mm):
-        return halo_mm, halo_deviation_mm
-    if math.isinf(own_deviation_mm):
-        faded_mm = (1.0 - share) * max(own_mm, states.hover.height_mm)
-        return share * halo_mm + faded_mm, halo_deviation_mm if share > 0.0 else math.inf
-    weight = share / halo_deviation_mm**2
-    own_weight = 1.0 / own_deviation_mm**2
-    height_mm = (weight * halo_mm + own_weight * own_mm) / (weight + own_weight)
-    return max(height_mm, 0.0), (weight + own_weight) ** -0.5
+    highest_mm = ONSET_MM
+    if math.isfinite(own_mm):
+        own_deviation_mm = min(own_deviation_mm, UNHELD_MM)
+        highest_mm = max(ONSET_MM, own_mm + 4.0 * own_deviation_mm)
+    heights_mm = np.linspace(0.0, highest_mm, HEIGHTS)
+    odds = _halo_odds(signal, states, rising, heights_mm)
+    if math.isfinite(own_mm):
+        odds -= 0.5 * ((heights_mm - own_mm) / own_deviation_mm) ** 2
+    weights = np.exp(odds - odds.max())
+    weights /= weights.sum()
+    mean_mm = float(weights @ heights_mm)
+    return mean_mm, math.sqrt(float(weights @ (heights_mm - mean_mm) ** 2))
 
 
-def _halo_height(signal: Signal, states: TouchStates) -> tuple[float, float, float]:
-    """Return the pad's height by the halo, its standard deviation, mm, and how much it counts."""
-    rising = span(signal, states.hover, states.subtle)
+def _halo_odds(
+    signal: Signal, states: TouchStates, rising: Span, heights_mm: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the log-likelihood of the halo at heights, up to a constant."""
     nothing = rising.at([0.0] * len(signal.readings))
-    halo = rising.at(signal.readings) - nothing
-    levels, heights = curve(states, rising, nothing)
-    height_mm = float(np.interp(halo, levels, heights))
-    off = min(rising.deviation, 1.0)
-    above, below = np.interp((halo - off, halo + off), levels, heights)
+    levels, held_mm = curve(states, rising, nothing)
+    expected = np.interp(heights_mm, held_mm[::-1], levels[::-1])
     hover_mm = states.hover.height_mm
-    tail = min(max(height_mm - hover_mm, 0.0) / max(ONSET_MM - hover_mm, 1.0), 1.0)
+    tail = np.clip((heights_mm - hover_mm) / max(ONSET_MM - hover_mm, 1.0), 0.0, 1.0)
     curve_mm = CURVE_MM + (TAIL_CURVE_MM - CURVE_MM) * tail
-    faded = FADED * -nothing
-    share = min(max(halo / faded, 0.0), 1.0) if faded > 0.0 else float(halo > 0.0)
-    return height_mm, math.hypot(float(above - below) / 2.0, curve_mm), share
+    variance = rising.deviation**2 + (np.gradient(expected, heights_mm) * curve_mm) ** 2
+    halo = min(max(rising.at(signal.readings) - nothing, levels[0]), levels[-1])
+    off = halo - expected
+    return np.asarray(-0.5 * (off**2 / variance + np.log(variance)))
 
 
-def own_height(tip: Fingertip, states: TouchStates) -> tuple[float, float]:
+def own_height(signal: Signal, tip: Fingertip, states: TouchStates) -> tuple[float, float]:
     """Return the pad's height by the finger's own depth, and its standard deviation, mm.
 
     That is inf where the held states do not say how a finger's depth reads.
     """
     hover, subtle = states.hover, states.subtle
-    fallen_mm = (
-        None if hover.top_mm is None or subtle.top_mm is None else hover.top_mm - subtle.top_mm
-    )
-    if fallen_mm is None or fallen_mm < LEAST_FALL_MM:
+    if hover.top_mm is None or subtle.top_mm is None:
         return tip.top_mm - states.finger_thickness_mm, math.inf
-    assert hover.top_mm is not None
-    above_mm = tip.top_mm - hover.top_mm
+    held_mm = plain_top_mm(hover.top_mm, hover.seen_deg)
+    fallen_mm = held_mm - plain_top_mm(subtle.top_mm, subtle.seen_deg)
+    if fallen_mm < LEAST_FALL_MM:
+        return tip.top_mm - states.finger_thickness_mm, math.inf
+    above_mm = signal.top_mm - held_mm
     way_mm = hover.height_mm - subtle.height_mm
     height_mm = hover.height_mm + (above_mm if above_mm > 0.0 else above_mm * way_mm / fallen_mm)
-    turned = math.tan(math.radians(tip.pitch_deg)) - math.tan(math.radians(hover.pitch_deg))
     noise_mm = math.hypot(hover.top_noise_mm, subtle.top_noise_mm) / math.sqrt(2.0)
-    seen = math.radians(min(max(tip.seen_deg, LEAST_SEEN_DEG), PLAIN_SEEN_DEG))
-    hidden = 1.0 / math.tan(seen) - 1.0 / math.tan(math.radians(PLAIN_SEEN_DEG))
-    turned_mm, hidden_mm = (TURNED * states.tip_radius_mm * each for each in (turned, hidden))
-    return height_mm, math.hypot(noise_mm, OWN_MM, turned_mm, hidden_mm)
+    turned = oblique(tip.seen_deg) - oblique(hover.seen_deg)
+    per_deg = OBLIQUE_MM * math.radians(1.0) * (1.0 + oblique(tip.seen_deg) ** 2)
+    return height_mm, math.hypot(
+        noise_mm,
+        OWN_MM,
+        signal.top_deviation_mm,
+        OBLIQUE_DEVIATION_MM * turned,
+        ANGLE_DEG * per_deg,
+    )
 
 
 def curve(

@@ -15,7 +15,7 @@ from halo_service.profile import Profile, TouchStates
 from halo_service.sensing.association import associate, load_solver
 from halo_service.sensing.background import Drift, follow_drift
 from halo_service.sensing.contact import Evidence, evidence
-from halo_service.sensing.correction import at_pitch, correct, leveled
+from halo_service.sensing.correction import at_pitch, correct, leveled, leveled_top
 from halo_service.sensing.debounce import debounce
 from halo_service.sensing.detections import detections
 from halo_service.sensing.detector import detect
@@ -176,7 +176,8 @@ def measure(segmentation: Segmentation, tip: Fingertip, profile: Profile) -> Sig
     read, correction = readings(segmentation, tip, profile), profile.correction
     values, deviations = leveled(read, correction, *tip.pad_mm)
     turned = at_pitch(correction, tip.pitch_deg)
-    return Signal(read[0], correct(read[0], tip, correction), values, deviations, turned)
+    top = leveled_top(tip, correction)
+    return Signal(read[0], correct(read[0], tip, correction), values, deviations, turned, *top)
 
 
 def adopt(state: State, profile: Profile) -> State:

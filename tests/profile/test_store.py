@@ -270,11 +270,12 @@ def swept(profile: Profile) -> Profile:
         correction=Correction(
             x, y, pitch, yaw,
             strength=rng.uniform(size=(4, 3, 2, 5)).astype(np.float32),
-            samples=rng.uniform(size=(7, 8)).astype(np.float32),
+            samples=rng.uniform(size=(7, 9)).astype(np.float32),
             base="pilots",
             readings=rng.uniform(size=(4, 4, 3)).astype(np.float32),
             deviations=rng.uniform(size=(4, 4, 3)).astype(np.float32),
             dent_by_pitch=rng.uniform(size=2).astype(np.float32),
+            tops_mm=rng.uniform(size=(2, 4, 3)).astype(np.float32),
         ),
     )  # fmt: skip
 
@@ -291,13 +292,18 @@ def test_a_correction_is_loaded_as_it_was_saved(profile: Profile, tmp_path: Path
         "readings",
         "deviations",
         "dent_by_pitch",
+        "tops_mm",
     ):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(saved.correction, name))
 
 
-@pytest.mark.parametrize("columns", [5, 6], ids=["the signal alone", "signal and dent"])
+@pytest.mark.parametrize(
+    ("columns", "same"),
+    [(5, 5), (6, 5), (8, 8)],
+    ids=["the signal alone", "signal and dent", "all readings, without the upper side"],
+)
 def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
-    profile: Profile, tmp_path: Path, columns: int
+    profile: Profile, tmp_path: Path, columns: int, same: int
 ) -> None:
     known = swept(profile).correction
     assert known is not None
@@ -315,8 +321,9 @@ def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
     assert loaded.touch is not None and loaded.correction is not None
     assert loaded.touch == profile.touch
     assert (loaded.correction.readings, loaded.correction.deviations) == (None, None)
-    np.testing.assert_array_equal(loaded.correction.samples[:, :5], old.samples[:, :5])
-    assert np.isnan(loaded.correction.samples[:, 5:]).all()
+    np.testing.assert_array_equal(loaded.correction.samples[:, :same], old.samples[:, :same])
+    assert loaded.correction.samples.shape[1] == 9
+    assert np.isnan(loaded.correction.samples[:, same:]).all()
 
 
 def test_a_profile_that_another_program_writes_is_one_sentence(

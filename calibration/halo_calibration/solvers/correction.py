@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from halo_calibration.solvers.dents import by_pitch, by_place
-from halo_calibration.solvers.sweep import COLUMNS, Samples
+from halo_calibration.solvers.dents import by_pitch, by_place, top_by_place
+from halo_calibration.solvers.sweep import COLUMNS, READINGS, Samples
 from halo_service.geometry.surface import Surface
 from halo_service.profile import Correction
 
@@ -78,7 +78,7 @@ class Model:
     """Expected relative signal over x, y, pitch and yaw: the base's prediction, then the user's."""
 
     def __init__(self, surface: Surface, base: Base | None, samples: Samples | None) -> None:
-        """`samples`: (N, 8) the user's sweep, or None before it."""
+        """`samples`: (N, 9) the user's sweep, or None before it."""
         self._middle = np.array([surface.width_mm / 2.0, surface.height_mm / 2.0, 0.0, 0.0])
         self._base = None if base is None else boosted(base.relative[:, :4], base.relative[:, 4])
         self._user = None
@@ -116,10 +116,9 @@ def solve_correction(
     here = _Grid(axes, expected).at(np.array([[at.x_mm, at.y_mm, at.pitch_deg, at.yaw_deg]]))[0]
     known = np.empty((0, COLUMNS)) if samples is None else samples
     pilots = np.empty((0, 6)) if base is None else base.relative
-    places = [
-        by_place(known, axes[0], axes[1], (at.x_mm, at.y_mm), column)
-        for column in range(4, COLUMNS)
-    ]
+    held = at.x_mm, at.y_mm
+    places = [by_place(known, axes[0], axes[1], held, column) for column in READINGS]
+    tops = top_by_place(known, axes[0], axes[1], held)
     x_mm, y_mm, pitch_deg, yaw_deg = (axis.astype(np.float32) for axis in axes)
     return Correction(
         x_mm,
@@ -132,6 +131,7 @@ def solve_correction(
         dent_by_pitch=by_pitch(pilots, axes[2], at.pitch_deg).astype(np.float32),
         samples=known.astype(np.float32),
         base="" if base is None else base.name,
+        tops_mm=None if tops is None else np.stack(tops).astype(np.float32),
     )
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halo_calibration.solvers.sweep import Samples
+from halo_calibration.solvers.sweep import READINGS, TOP, Samples
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +35,9 @@ each power. It holds what the samples do not determine near 1, and limits nothin
 CORRELATED = 15
 """Samples in a row that count as one: half a second at 30 frames a second, in which a finger is
 misread alike. A slower camera counts as less certain than it is."""
+TOP_MM = 20.0
+"""The finger's upper side may read higher or lower by so much where a halo may change by a factor
+of e (chosen: at 430 mm in a wide mode it changes by 30 mm over the surface)."""
 KNOWN_PITCH_DEG = (30.0, 60.0)
 """Between the outermost wedges but one; beyond them fingers are misread, and the curve stays."""
 
@@ -59,21 +62,43 @@ def by_place(
     seen = _usable(samples, column)
     if len(seen) < LEAST_SAMPLES:
         return ByPlace(np.ones((len(x_mm), len(y_mm))), np.ones((len(x_mm), len(y_mm))))
-    low, high = np.percentile(seen[:, :2], (1.0, 99.0), axis=0)
+    change, deviation = _over_place(seen[:, :2], np.log(seen[:, column]), x_mm, y_mm, at)
+    return ByPlace(np.exp(change), deviation)
+
+
+def top_by_place(
+    samples: Samples, x_mm: Floats, y_mm: Floats, at: tuple[float, float]
+) -> tuple[Floats, Floats] | None:
+    """Return how much higher a touching finger's upper side reads than at a place, mm.
+
+    That is a grid (x, y), and the standard deviation of one frame around it; None for too few
+    samples. A camera sees a finger from another side at each place, and reads its round upper side
+    at another height.
+    """
+    seen = samples[np.isfinite(samples[:, TOP])]
+    if len(seen) < LEAST_SAMPLES:
+        return None
+    change, deviation = _over_place(seen[:, :2], seen[:, TOP] / TOP_MM, x_mm, y_mm, at)
+    return TOP_MM * change, TOP_MM * deviation
+
+
+def _over_place(
+    places: Floats, values: Floats, x_mm: Floats, y_mm: Floats, at: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """Return the grid (x, y) of a smooth value less that at a place, and its deviation."""
+    low, high = np.percentile(places, (1.0, 99.0), axis=0)
     middle = (low + high) / 2.0
 
-    def terms(places: Floats) -> Floats:
-        return _plane((np.clip(places, low, high) - middle) * PER_MM)
+    def terms(at_mm: Floats) -> Floats:
+        return _plane((np.clip(at_mm, low, high) - middle) * PER_MM)
 
-    fit = _fitted(terms(seen[:, :2]), np.log(seen[:, column]), PLANE)
+    fit = _fitted(terms(places), values, PLANE)
     grid = np.stack(np.meshgrid(x_mm, y_mm, indexing="ij"), axis=-1).reshape(-1, 2)
     change = terms(grid) - terms(np.array([at]))
     of_curve = np.einsum("ni,ij,nj->n", change, fit.covariance, change)
     shape = len(x_mm), len(y_mm)
-    return ByPlace(
-        np.exp(change @ fit.weights).reshape(shape),
-        np.sqrt(of_curve + fit.variance).reshape(shape),
-    )
+    deviation = np.sqrt(of_curve + fit.variance)
+    return (change @ fit.weights).reshape(shape), deviation.reshape(shape)
 
 
 def least_variation(samples: Samples) -> float:
@@ -82,8 +107,7 @@ def least_variation(samples: Samples) -> float:
     x_mm, y_mm = middle[:1], middle[1:]
     at = float(middle[0]), float(middle[1])
     return min(
-        float(by_place(samples, x_mm, y_mm, at, column).deviation[0, 0])
-        for column in range(4, samples.shape[1])
+        float(by_place(samples, x_mm, y_mm, at, column).deviation[0, 0]) for column in READINGS
     )
 
 

@@ -13,6 +13,7 @@ from halo_calibration.image_places import place
 from halo_calibration.observe import Observation
 from halo_calibration.solvers.touch import require_frames, require_seen
 from halo_service.geometry.surface import Surface
+from halo_service.sensing.fingertips import plain_top_mm
 
 SWEEP_S = 20.0
 """The paper's (4.3.5)."""
@@ -30,9 +31,12 @@ MOST_LIFTED = 0.25
 """More of these, and the finger was not on the surface."""
 
 Samples = NDArray[np.float64]
-"""(N, 8): x and y in mm, pitch and yaw in degrees, raw signal in mm px, the other readings in mm;
-nan where one was hidden."""
-COLUMNS = 8
+"""(N, 9): x and y in mm, pitch and yaw in degrees, raw signal in mm px, the other readings and the
+height of the finger's upper side in mm, as at 45 degrees to the line of sight; nan where one was
+hidden."""
+COLUMNS = 9
+READINGS, TOP = range(4, 8), 8
+"""Which columns are readings of the halo, and which is the upper side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +51,17 @@ class SweepObservations:
 
 def samples_of(observations: Sequence[Observation]) -> Samples:
     """Return the observations as an array."""
-    rows = [(o.x_mm, o.y_mm, o.pitch_deg, o.yaw_deg, *o.readings) for o in observations]
+    rows = [
+        (
+            each.x_mm,
+            each.y_mm,
+            each.pitch_deg,
+            each.yaw_deg,
+            *each.readings,
+            plain_top_mm(each.top_mm, each.seen_deg),
+        )
+        for each in observations
+    ]
     return np.array(rows, dtype=np.float64).reshape(-1, COLUMNS)
 
 

@@ -275,6 +275,7 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
         raw_readings=readings,
         noise=noise,
         top_mm=top_mm,
+        seen_deg=_median([each.seen_deg for each in held.observations]),
         top_noise_mm=top_noise_mm,
     )
 

@@ -78,7 +78,7 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
     x, y, yaw = rng.uniform(0, 300, 600), rng.uniform(0, 200, 600), rng.uniform(-20, 20, 600)
     signal = 2000.0 * (1.0 + 0.002 * (x - 150.0))
     samples = np.column_stack(
-        [x, y, np.full(600, 45.0), yaw, *(signal / n for n in (1, 100, 150, 400))]
+        [x, y, np.full(600, 45.0), yaw, *(signal / n for n in (1, 100, 150, 400)), 0.05 * x]
     )
     at = Reference(0.0, 0.0, 45.0, 0.0)
     before = replace(placed, correction=solve_correction(placed.surface, None, samples, at))
@@ -99,3 +99,12 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
         new_deep = leveled([1.0] * 4, after.correction, *there)[0][1]
         new_deep /= leveled([1.0] * 4, after.correction, *new_middle)[0][1]
         assert new_deep == pytest.approx(old_deep, rel=0.01)
+
+
+def test_every_held_state_moves_along_with_its_place(placed: Profile, turned: Surface) -> None:
+    assert placed.touch is not None
+    held = replace(placed, touch=replace(placed.touch, hard=placed.touch.pressure))
+    after = moved_to(held, turned, None).touch
+    assert after is not None and after.hard is not None
+    assert (after.hard.x_mm, after.hard.y_mm) == (after.pressure.x_mm, after.pressure.y_mm)
+    assert after.hard.x_mm != placed.touch.pressure.x_mm

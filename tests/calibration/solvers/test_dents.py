@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from halo_calibration.solvers.dents import LEAST_SAMPLES, by_pitch, by_place
+from halo_calibration.solvers.dents import LEAST_SAMPLES, by_pitch, by_place, top_by_place
 
 Floats = NDArray[np.float64]
 X_MM, Y_MM = np.linspace(-20.0, 320.0, 24), np.linspace(-20.0, 220.0, 17)
@@ -85,6 +85,28 @@ def test_a_corner_without_samples_stays_close_to_its_neighbours() -> None:
     assert corner.strength[0] == pytest.approx(true, rel=0.2)
     middle = by_place(samples, np.array([250.0]), np.array([100.0]), AT)
     assert corner.deviation[0] > middle.deviation[0] > 0.08
+
+
+def test_an_upper_side_that_reads_higher_at_one_edge_is_learned_with_its_deviation() -> None:
+    """As where the camera looks along the finger: 24 mm over the surface, a millimetre of noise."""
+    rng = np.random.default_rng(9)
+    x, y = rng.uniform(5.0, 295.0, 600), rng.uniform(5.0, 195.0, 600)
+    top_mm = 8.0 + 24.0 * (y / 200.0) ** 2 + rng.normal(0.0, 1.0, 600)
+    top_mm[::20] += 40.0  # misread
+    top_mm[5::10] = np.nan
+    samples = np.column_stack([*(np.ones((8, 600))), top_mm])
+    samples[:, 0], samples[:, 1] = x, y
+    grid = top_by_place(samples, np.array([50.0, 250.0]), np.array([20.0, 100.0, 180.0]), AT)
+    assert grid is not None
+    higher_mm, deviation_mm = grid
+    true = 24.0 * (np.array([20.0, 100.0, 180.0]) / 200.0) ** 2 - 6.0
+    assert higher_mm == pytest.approx(np.array([true, true]), abs=0.8)
+    assert np.all((deviation_mm > 0.8) & (deviation_mm < 2.0))
+
+
+def test_too_few_upper_sides_say_nothing() -> None:
+    samples = np.ones((LEAST_SAMPLES // 2, 9))
+    assert top_by_place(samples, X_MM, Y_MM, AT) is None
 
 
 def test_pitch_and_place_are_separated_within_the_wedges(pilots: Floats) -> None:

@@ -118,7 +118,8 @@ class Fingertip:
     px_per_mm: float = 1.0
     """How large a millimetre is in the image, at the finger's own depth."""
     seen_deg: float = 45.0
-    """Angle between the finger and the line of sight; 0: the camera looks along the finger."""
+    """Angle between the finger and the line of sight; 0: the camera looks along the finger; nan
+    where the pitch was not measured."""
 
 
 @dataclass(frozen=True, slots=True)

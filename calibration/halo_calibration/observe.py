@@ -56,7 +56,7 @@ class Observation:
     halo_behind_mm: float = math.nan
     """How far behind the pad the halo is deepest; nan where it is hidden."""
     seen_deg: float = 45.0
-    """Angle between the finger and the line of sight."""
+    """Angle between the finger and the line of sight; nan where the pitch was not measured."""
 
     @property
     def readings(self) -> tuple[float, ...]:

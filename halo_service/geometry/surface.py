@@ -6,6 +6,7 @@ z into the surface (right-handed), mm. Height above the surface is -z.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,3 +88,18 @@ def from_view(
     centre = np.array([0.0, 0.0, distance_mm])
     camera_from_surface[:3, 3] = centre - x * width_mm / 2.0 - y * height_mm / 2.0
     return Surface(name, width_mm, height_mm, camera_from_surface)
+
+
+def line_of_sight_deg(
+    towards: tuple[float, float, float], pitch_deg: float, yaw_deg: float, surface: Surface
+) -> float:
+    """Return the angle between a finger and the line of sight; 0: the camera looks along it.
+
+    `towards`: any point on the line of sight but the camera itself, in the camera's frame.
+    """
+    pitch, yaw = math.radians(pitch_deg), math.radians(yaw_deg)
+    level = math.cos(pitch)
+    finger = np.array([level * math.sin(yaw), -level * math.cos(yaw), math.sin(pitch)])
+    along = surface.camera_from_surface[:3, :3] @ finger
+    cosine = float(along @ np.array(towards)) / max(float(np.linalg.norm(towards)), 1e-9)
+    return math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))

@@ -70,12 +70,15 @@ class TouchState:
     noise: tuple[float, ...] = ()
     """Standard deviation of each from frame to frame."""
     top_mm: float | None = None
-    """Height that the finger's upper side read, by its own depth: too low by the skin's offset, and
-    the lower the stronger the halo. None where it was not measured."""
+    """Height that the finger's upper side read, by its own depth, as it would be at the sweep's
+    place: too low by the skin's offset, and the lower the stronger the halo. None where it was not
+    measured."""
+    raw_top_mm: float | None = None
+    """The same where it was held; None in an older profile."""
     top_noise_mm: float = 0.0
     """Standard deviation of that from frame to frame."""
-    seen_deg: float = 45.0
-    """Angle between the finger and the line of sight."""
+    seen_deg: float | None = None
+    """Angle between the finger and the line of sight; None: by its place and how it pointed."""
 
 
 @dataclass(frozen=True, slots=True)

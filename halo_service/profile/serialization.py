@@ -6,7 +6,7 @@ import hashlib
 import io
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, ConfigDict, TypeAdapter, ValidationError
 
 from halo_service.geometry.camera import Camera
-from halo_service.geometry.surface import Surface
+from halo_service.geometry.surface import Surface, line_of_sight_deg
 from halo_service.profile.model import (
     PAPER_THRESHOLD_MM,
     Anchor,
@@ -24,6 +24,7 @@ from halo_service.profile.model import (
     Profile,
     Projector,
     StepRecord,
+    TouchState,
     TouchStates,
 )
 from halo_service.validation import sentences
@@ -161,9 +162,12 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
         camera=text.camera,
         surface=text.surface,
         background=_background(folder / Path(text.background).name),
-        touch=text.touch,
+        touch=None if text.touch is None else _seen(text.touch, text.surface),
         revision=text.revision,
-        by_hand={Side[name.upper()]: states for name, states in text.touch_by_hand.items()},
+        by_hand={
+            Side[name.upper()]: _seen(states, text.surface)
+            for name, states in text.touch_by_hand.items()
+        },
         correction=None if text.correction is None else _correction(text.correction, folder),
         halo_threshold_mm=text.halo_threshold_mm,
         projector=text.projector,
@@ -177,6 +181,26 @@ def from_json(data: dict[str, Any], folder: Path) -> Profile:
         if array is not None and array.shape != wanted:
             raise ValueError("its background does not fit its camera")
     return profile
+
+
+def _seen(states: TouchStates, surface: Surface) -> TouchStates:
+    """Return states with the angle at which the camera saw each, which older ones do not have."""
+
+    def seen(state: TouchState) -> TouchState:
+        if state.seen_deg is not None or state.top_mm is None:
+            return state
+        place = surface.to_camera(np.array([[state.x_mm, state.y_mm, 0.0]]))[0]
+        angle = line_of_sight_deg(tuple(place.tolist()), state.pitch_deg, state.yaw_deg, surface)
+        return replace(state, seen_deg=angle)
+
+    return replace(
+        states,
+        hover=seen(states.hover),
+        subtle=seen(states.subtle),
+        touch=seen(states.touch),
+        pressure=seen(states.pressure),
+        hard=None if states.hard is None else seen(states.hard),
+    )
 
 
 def _background(path: Path) -> Background:
@@ -202,7 +226,9 @@ def _correction(text: CorrectionText, folder: Path) -> Correction:
         raise ValueError("its correction's grid does not fit its axes")
     stored = read["samples"].shape[1]
     if stored < SAMPLE_COLUMNS:
-        same = next(count for count in OLD_COLUMNS if count <= stored)
+        same = next((count for count in OLD_COLUMNS if count <= stored), 0)
+        if not same:
+            raise ValueError("its correction's samples have too few columns")
         missing = (0, 0), (0, SAMPLE_COLUMNS - same)
         read["samples"] = np.pad(read["samples"][:, :same], missing, constant_values=np.nan)
     return Correction(**read, base=text.base)

@@ -21,8 +21,9 @@ CONTACT_LEVEL = 0.5
 """The pad meets the surface halfway from subtle, 1 mm above it, to a relaxed touch (chosen)."""
 LEVEL_ODDS, RISE_ODDS, OWN_ODDS = 1.7, 0.2, 1.0
 """Log-odds for each standard deviation of the level, of its rise in one frame, and of the finger's
-own depth (a logistic regression on tuning users, rounded). A normal distribution is worth 1.7; the
-own depth is worth less, for a fingertip that is found next to its place reads another depth."""
+own depth (logistic regressions on tuning users, rounded; see docs/evaluation.md). A normal
+distribution is worth 1.7; the own depth is worth less, for a fingertip that is found next to its
+place reads another depth."""
 STOP_ODDS = 0.3
 """Log-odds for each standard deviation by which the level rose faster just before: the surface
 stops a finger in one frame, a hovering one stops itself over several (chosen: with the most sigmas

@@ -62,14 +62,22 @@ def leveled(
     return values, tuple(deviations)
 
 
+def higher(correction: Correction | None, x_mm: float, y_mm: float) -> tuple[float, float]:
+    """Return how much higher an upper side reads there than at the calibration's place, mm.
+
+    And the standard deviation of one frame around it.
+    """
+    if correction is None or correction.tops_mm is None:
+        return 0.0, UNSWEPT_TOP_MM
+    axes, grid = (correction.x_mm, correction.y_mm), correction.tops_mm.transpose(1, 2, 0)
+    higher_mm, deviation_mm = _read(grid, axes, (x_mm, y_mm)).tolist()
+    return higher_mm, deviation_mm
+
+
 def leveled_top(tip: Fingertip, correction: Correction | None) -> Top:
     """Return the upper side at the calibration's place and at 45 degrees to the line of sight."""
-    top_mm = plain_top_mm(tip.top_mm, tip.seen_deg)
-    if correction is None or correction.tops_mm is None:
-        return Top(top_mm, UNSWEPT_TOP_MM)
-    axes, grid = (correction.x_mm, correction.y_mm), correction.tops_mm.transpose(1, 2, 0)
-    higher_mm, deviation_mm = _read(grid, axes, tip.pad_mm).tolist()
-    return Top(top_mm - higher_mm, deviation_mm)
+    higher_mm, deviation_mm = higher(correction, *tip.pad_mm)
+    return Top(plain_top_mm(tip.top_mm, tip.seen_deg) - higher_mm, deviation_mm)
 
 
 def at_pitch(correction: Correction | None, pitch_deg: float) -> float:

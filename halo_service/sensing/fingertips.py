@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from halo_service.geometry.camera import Points
-from halo_service.geometry.surface import Surface
+from halo_service.geometry.surface import Surface, line_of_sight_deg
 from halo_service.profile import Profile
 from halo_service.sensing.detections import Detection
 from halo_service.sensing.finger_frame import FingerFrame, unit
@@ -31,7 +31,7 @@ line of sight: where the camera looks along a finger, the same place in the imag
 on it (measured on virtual users without long nails: 8 to 14; for a round end it is 2, and the rest
 is the finger's end that the halo takes)."""
 LEAST_SEEN_DEG = 12.0
-"""For a smaller angle that is not followed any farther."""
+"""For a smaller angle, from either end, that is not followed any farther."""
 TIP_RADIUS_MM = 7.0
 """Of a fingertip, if none was measured (chosen: half an adult's index finger)."""
 UNSEEN_CONFIDENCE = 0.4
@@ -72,7 +72,8 @@ def locate(
     read = angles(depth, segmentation, end.place, camera, surface)
     pitch, yaw = read or (TYPICAL_PITCH_DEG, math.degrees(math.atan2(direction[0], -direction[1])))
     rays = camera.depth.rays(np.array([tip, distal]))
-    seen_deg = line_of_sight_deg(tuple(rays[0].tolist()), pitch, yaw, surface)
+    sight = tuple(rays[0].tolist())
+    seen_deg = line_of_sight_deg(sight, pitch, yaw, surface) if read else math.nan
     top_mm = height_behind(segmentation, end.place, NAIL_MM)
     height = 0.0 if math.isnan(top_mm) else max(top_mm - thickness_mm, 0.0)
     pad = _pad(rays, surface, height + radius_mm, radius_mm)
@@ -99,21 +100,15 @@ def locate(
     )
 
 
-def line_of_sight_deg(
-    camera_mm: tuple[float, float, float], pitch_deg: float, yaw_deg: float, surface: Surface
-) -> float:
-    """Return the angle between a finger and the line of sight; 0: the camera looks along it."""
-    pitch, yaw = math.radians(pitch_deg), math.radians(yaw_deg)
-    level = math.cos(pitch)
-    finger = np.array([level * math.sin(yaw), -level * math.cos(yaw), math.sin(pitch)])
-    along = surface.camera_from_surface[:3, :3] @ finger
-    cosine = float(along @ np.array(camera_mm)) / max(float(np.linalg.norm(camera_mm)), 1.0)
-    return math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
-
-
 def oblique(seen_deg: float) -> float:
-    """Return the cotangent of the angle between a finger and the line of sight."""
-    return 1.0 / math.tan(math.radians(max(seen_deg, LEAST_SEEN_DEG)))
+    """Return the cotangent of the angle between a finger and the line of sight.
+
+    1 where the angle was not measured: most fingers are seen under about 45 degrees.
+    """
+    if math.isnan(seen_deg):
+        return 1.0
+    bounded = min(max(seen_deg, LEAST_SEEN_DEG), 180.0 - LEAST_SEEN_DEG)
+    return 1.0 / math.tan(math.radians(bounded))
 
 
 def plain_top_mm(top_mm: float, seen_deg: float) -> float:

@@ -35,13 +35,17 @@ of what halos of different shapes differ by)."""
 UNHELD_MM = 6.0
 """The finger's own depth differs by so much from its thickness in the hover state (chosen; only
 where the held states do not say how it reads near the surface)."""
+MISREAD_ODDS = math.log(1e-3)
+"""Log-likelihood of an own depth that is far off, over that of one that is exact: another hand may
+pass above the finger (chosen)."""
 HEIGHTS = 161
 """So many heights are weighed, from 0 to the highest one that the finger can have."""
 OWN_MM = 0.7
 """The finger's own depth differs by so much from one posture of the hand to the next (chosen)."""
-OBLIQUE_DEVIATION_MM, ANGLE_DEG = 4.0, 3.0
-"""Standard deviations of `OBLIQUE_MM`, for fingers differ in their ends and their nails, and of the
-angle to the line of sight (measured on virtual users)."""
+OBLIQUE_DEVIATION_MM, ANGLE_DEG, UNREAD_ANGLE_DEG = 4.0, 3.0, 15.0
+"""Standard deviations of `OBLIQUE_MM`, for fingers differ in their ends and nails (measured on
+virtual users), and of the angle to the line of sight: measured, and where no pitch could be read
+(chosen)."""
 LEAST_FALL_MM = 4.0
 """The upper side must fall by as much from hover to subtle: half of the way that a finger goes."""
 
@@ -59,14 +63,15 @@ def hover_height(signal: Signal, tip: Fingertip, states: TouchStates) -> tuple[f
     if signal.hidden or not states.hover.readings or math.isinf(rising.deviation):
         seen = math.isfinite(own_mm)
         return (max(own_mm, 0.0), own_deviation_mm) if seen else (ONSET_MM, math.inf)
-    highest_mm = ONSET_MM
+    highest_mm = max(ONSET_MM, states.hover.height_mm + 1.0)  # as in `curve`
     if math.isfinite(own_mm):
-        own_deviation_mm = min(own_deviation_mm, UNHELD_MM)
-        highest_mm = max(ONSET_MM, own_mm + 4.0 * own_deviation_mm)
+        own_deviation_mm = UNHELD_MM if math.isinf(own_deviation_mm) else own_deviation_mm
+        highest_mm = max(highest_mm, own_mm + 4.0 * min(own_deviation_mm, UNHELD_MM))
     heights_mm = np.linspace(0.0, highest_mm, HEIGHTS)
     odds = _halo_odds(signal, states, rising, heights_mm)
     if math.isfinite(own_mm):
-        odds -= 0.5 * ((heights_mm - own_mm) / own_deviation_mm) ** 2
+        off = (heights_mm - own_mm) / own_deviation_mm
+        odds += np.logaddexp(-0.5 * off**2, MISREAD_ODDS)
     weights = np.exp(odds - odds.max())
     weights /= weights.sum()
     mean_mm = float(weights @ heights_mm)
@@ -97,22 +102,26 @@ def own_height(signal: Signal, tip: Fingertip, states: TouchStates) -> tuple[flo
     hover, subtle = states.hover, states.subtle
     if hover.top_mm is None or subtle.top_mm is None:
         return tip.top_mm - states.finger_thickness_mm, math.inf
-    held_mm = plain_top_mm(hover.top_mm, hover.seen_deg)
-    fallen_mm = held_mm - plain_top_mm(subtle.top_mm, subtle.seen_deg)
+    hover_deg, subtle_deg = (
+        45.0 if state.seen_deg is None else state.seen_deg for state in (hover, subtle)
+    )
+    held_mm = plain_top_mm(hover.top_mm, hover_deg)
+    fallen_mm = held_mm - plain_top_mm(subtle.top_mm, subtle_deg)
     if fallen_mm < LEAST_FALL_MM:
         return tip.top_mm - states.finger_thickness_mm, math.inf
     above_mm = signal.top_mm - held_mm
     way_mm = hover.height_mm - subtle.height_mm
     height_mm = hover.height_mm + (above_mm if above_mm > 0.0 else above_mm * way_mm / fallen_mm)
     noise_mm = math.hypot(hover.top_noise_mm, subtle.top_noise_mm) / math.sqrt(2.0)
-    turned = oblique(tip.seen_deg) - oblique(hover.seen_deg)
+    turned = oblique(tip.seen_deg) - oblique(hover_deg)
+    angle_deg = UNREAD_ANGLE_DEG if math.isnan(tip.seen_deg) else ANGLE_DEG
     per_deg = OBLIQUE_MM * math.radians(1.0) * (1.0 + oblique(tip.seen_deg) ** 2)
     return height_mm, math.hypot(
         noise_mm,
         OWN_MM,
         signal.top_deviation_mm,
         OBLIQUE_DEVIATION_MM * turned,
-        ANGLE_DEG * per_deg,
+        angle_deg * per_deg,
     )
 
 

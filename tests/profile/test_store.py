@@ -307,7 +307,9 @@ def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
 ) -> None:
     known = swept(profile).correction
     assert known is not None
-    old = replace(known, samples=known.samples[:, :columns], readings=None, deviations=None)
+    old = replace(
+        known, samples=known.samples[:, :columns], readings=None, deviations=None, tops_mm=None
+    )
     save(replace(profile, correction=old), tmp_path)
     file = tmp_path / "profile.json"
     text = json.loads(file.read_text(encoding="utf-8"))
@@ -321,9 +323,43 @@ def test_a_profile_from_before_there_were_several_readings_is_read_and_has_none(
     assert loaded.touch is not None and loaded.correction is not None
     assert loaded.touch == profile.touch
     assert (loaded.correction.readings, loaded.correction.deviations) == (None, None)
+    assert loaded.correction.tops_mm is None
     np.testing.assert_array_equal(loaded.correction.samples[:, :same], old.samples[:, :same])
     assert loaded.correction.samples.shape[1] == 9
     assert np.isnan(loaded.correction.samples[:, same:]).all()
+
+
+def test_states_from_before_angles_were_stored_get_the_one_of_their_place(
+    profile: Profile, tmp_path: Path
+) -> None:
+    """Straight below the camera, which looks along the normal: 90 degrees less the pitch."""
+    assert profile.touch is not None
+    surface = replace(profile.surface, camera_from_surface=np.eye(4))
+    middle = surface.from_camera(np.array([[0.0, 0.0, 500.0]]))[0]
+    high = np.eye(4)
+    high[2, 3] = 500.0
+    high[:2, 3] = -middle[0] - 150.0, -middle[1] - 100.0
+    surface = replace(surface, camera_from_surface=high)
+    held = replace(
+        profile.touch.hover,
+        top_mm=20.0,
+        pitch_deg=30.0,
+        x_mm=150.0 + middle[0],
+        y_mm=100.0 + middle[1],
+    )
+    save(replace(profile, surface=surface, touch=replace(profile.touch, hover=held)), tmp_path)
+    loaded = load(tmp_path).touch
+    assert loaded is not None and loaded.hover.seen_deg == pytest.approx(60.0)
+
+
+def test_samples_that_are_too_few_columns_are_one_sentence(
+    profile: Profile, tmp_path: Path
+) -> None:
+    known = swept(profile).correction
+    assert known is not None
+    save(replace(profile, correction=replace(known, samples=known.samples[:, :3])), tmp_path)
+    with pytest.raises(UserError, match="too few columns"):
+        load(tmp_path)
 
 
 def test_a_profile_that_another_program_writes_is_one_sentence(

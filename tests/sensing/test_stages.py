@@ -8,15 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from halo_service.geometry.surface import Surface
-from halo_service.profile import Background, Profile, TouchStates
+from halo_service.geometry.surface import Surface, line_of_sight_deg
+from halo_service.profile import Background, Correction, Profile, TouchStates
 from halo_service.sensing.background import Drift, excess_depth, follow_drift
 from halo_service.sensing.contact import CONTACT_LEVEL, Evidence, contact_probability, evidence
 from halo_service.sensing.correction import leveled_top
 from halo_service.sensing.debounce import Debounce, debounce
 from halo_service.sensing.detector import Detector, detect
 from halo_service.sensing.extraction import FREE_PX, LEAST_FREE_PX, extract
-from halo_service.sensing.fingertips import line_of_sight_deg
 from halo_service.sensing.hover import hover_height, own_height
 from halo_service.sensing.pressure import force, read_force, touch_force, touch_pressure
 from halo_service.sensing.segmentation import segment
@@ -327,7 +326,7 @@ def test_a_delayed_up_has_the_time_of_its_first_frame() -> None:
         (10.0, 15.0, 1.0),
         (11.0, 14.0, 0.0),
         (99.0, 14.0, 0.0),
-        (5.0, 34.0, 10.0),
+        (5.0, 99.0, 10.0),
         (0.0, 44.0, 30.0),
         (-0.2, 44.0, 30.0),
         (NAN, 44.0, 30.0),
@@ -349,7 +348,9 @@ def test_a_delayed_up_has_the_time_of_its_first_frame() -> None:
 )
 def test_hover(dented: TouchStates, dent_mm: float, top_mm: float, height_mm: float) -> None:
     tip = tip_at(320, 288, top_mm)
-    assert hover_height(signal(dent_mm), tip, dented)[0] == pytest.approx(height_mm, abs=1.0)
+    read_mm = hover_height(signal(dent_mm), tip, dented)[0]
+    assert read_mm >= 0.0
+    assert read_mm == pytest.approx(height_mm, abs=1.0 if height_mm > 21.0 else 0.5)
 
 
 def test_no_halo_at_the_calibrated_hover_height_divides_by_nothing(dented: TouchStates) -> None:
@@ -438,6 +439,34 @@ def test_a_finger_that_the_camera_looks_along_is_read_lower_by_how_oblique_it_is
     assert plain_mm == pytest.approx(15.0)
     assert along_mm == pytest.approx(plain_mm, abs=0.01)
     assert along_deviation_mm > 1.5 * plain_deviation_mm
+
+
+@pytest.mark.parametrize("seen_deg", [179.9, 180.0, 0.0, NAN])
+def test_an_angle_that_cannot_be_makes_no_height(topped: TouchStates, seen_deg: float) -> None:
+    tip = replace(tip_at(320, 288, 25.0), seen_deg=seen_deg)
+    height_mm, deviation_mm = own_height(own(signal(5.0), tip), tip, topped)
+    assert abs(height_mm) < 100.0
+    assert deviation_mm > 4.0
+
+
+def test_a_hover_state_above_the_usual_onset_reads_its_own_height(dented: TouchStates) -> None:
+    high = replace(dented, hover=replace(dented.hover, height_mm=25.0))
+    tip = tip_at(320, 288, NAN)
+    assert hover_height(signal(5.0), tip, high)[0] == pytest.approx(25.0, abs=1.0)
+
+
+def test_an_upper_side_is_leveled_by_the_grid_at_its_place() -> None:
+    """2 mm higher for each 15 mm to the right, 1 mm for each 15 mm towards the user."""
+    x_mm, y_mm = np.arange(4.0, dtype=np.float32) * 15.0, np.arange(3.0, dtype=np.float32) * 15.0
+    higher_mm = 2.0 * np.arange(4.0)[:, None] + np.arange(3.0)[None, :]
+    grid = np.stack([higher_mm, np.full((4, 3), 1.5)]).astype(np.float32)
+    four = np.ones((4, 3, 2, 2), np.float32)
+    two = np.array([15.0, 75.0], np.float32)
+    correction = Correction(x_mm, y_mm, two, two, four, np.empty((0, 9)), "", tops_mm=grid)
+    top = leveled_top(replace(tip_at(320, 288, 20.0), pad_mm=(45.0, 15.0)), correction)
+    assert top.height_mm == pytest.approx(20.0 - 6.0 - 1.0)
+    assert top.deviation_mm == pytest.approx(1.5)
+    assert leveled_top(tip_at(320, 288, NAN), correction).deviation_mm == pytest.approx(1.5)
 
 
 def test_states_held_at_another_angle_say_the_same_height(topped: TouchStates) -> None:

@@ -34,7 +34,7 @@ def pilot_rounds(
     rounds: int = ROUNDS,
     round_s: float = ROUND_S,
 ) -> Iterator[tuple[float, Samples]]:
-    """Let one pilot sweep at all angles; yields (angle, (N, 6) samples) a round."""
+    """Let one pilot sweep at all angles; yields (angle, (N, 9) samples) a round."""
     for number in range(rounds):
         for angle in ANGLES_DEG:
             words = (

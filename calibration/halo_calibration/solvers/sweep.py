@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -58,7 +59,8 @@ def samples_of(observations: Sequence[Observation]) -> Samples:
             each.pitch_deg,
             each.yaw_deg,
             *each.readings,
-            plain_top_mm(each.top_mm, each.seen_deg),
+            # By an assumed angle it would say nothing of the place.
+            math.nan if math.isnan(each.seen_deg) else plain_top_mm(each.top_mm, each.seen_deg),
         )
         for each in observations
     ]

@@ -14,7 +14,7 @@ from halo_calibration.errors import NO_HALO, CalibrationError
 from halo_calibration.observe import THICKNESS_MM, Observation
 from halo_service.profile import Correction, TouchState, TouchStates
 from halo_service.profile.model import Quality
-from halo_service.sensing.correction import leveled, strength
+from halo_service.sensing.correction import higher, leveled, strength
 from halo_service.sensing.fingertips import TIP_RADIUS_MM
 
 STATES = ("hover", "subtle", "touch", "pressure")
@@ -78,6 +78,12 @@ class StateValues:
                     f"a stated height or force of {value:g} is impossible; "
                     f"give mm or grams in range 0..{MOST_STATED:g}"
                 )
+        hover_mm, subtle_mm = self.of("hover")[0], self.of("subtle")[0]
+        if hover_mm <= subtle_mm:
+            raise CalibrationError(
+                f"a hover height of {hover_mm:g} mm is not above the subtle one of {subtle_mm:g} "
+                f"mm: hold hover higher, as in --hover-mm 10 --subtle-mm 1"
+            )
         if self.hard_g is None:
             return
         if self.pressure_g is None:
@@ -249,11 +255,25 @@ def corrected(states: TouchStates, correction: Correction | None) -> TouchStates
 
 
 def _through(held: TouchState, correction: Correction | None) -> TouchState:
+    raw_top_mm = held.top_mm if held.raw_top_mm is None else held.raw_top_mm
     if correction is None:
-        return replace(held, signal=held.raw, readings=held.raw_readings)
+        return replace(
+            held,
+            signal=held.raw,
+            readings=held.raw_readings,
+            top_mm=raw_top_mm,
+            raw_top_mm=raw_top_mm,
+        )
     expected = strength(correction, held.x_mm, held.y_mm, held.pitch_deg, held.yaw_deg)
     readings, _ = leveled(held.raw_readings, correction, held.x_mm, held.y_mm)
-    return replace(held, signal=held.raw / expected, readings=readings)
+    higher_mm, _ = higher(correction, held.x_mm, held.y_mm)
+    return replace(
+        held,
+        signal=held.raw / expected,
+        readings=readings,
+        top_mm=None if raw_top_mm is None else raw_top_mm - higher_mm,
+        raw_top_mm=raw_top_mm,
+    )
 
 
 def _held_state(held: HoldObservations, middle: Middle, state_values: StateValues) -> TouchState:
@@ -275,7 +295,8 @@ def _held_state(held: HoldObservations, middle: Middle, state_values: StateValue
         raw_readings=readings,
         noise=noise,
         top_mm=top_mm,
-        seen_deg=_median([each.seen_deg for each in held.observations]),
+        raw_top_mm=top_mm,
+        seen_deg=_finite([each.seen_deg for each in held.observations], 45.0),
         top_noise_mm=top_noise_mm,
     )
 

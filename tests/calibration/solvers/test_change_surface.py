@@ -72,7 +72,7 @@ def test_held_states_keep_their_place_and_direction(placed: Profile, turned: Sur
 
 def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: Surface) -> None:
     from halo_calibration.solvers.correction import Reference, solve_correction
-    from halo_service.sensing.correction import leveled, strength
+    from halo_service.sensing.correction import higher, leveled, strength
 
     rng = np.random.default_rng(1)
     x, y, yaw = rng.uniform(0, 300, 600), rng.uniform(0, 200, 600), rng.uniform(-20, 20, 600)
@@ -99,6 +99,10 @@ def test_a_correction_says_the_same_of_the_same_finger(placed: Profile, turned: 
         new_deep = leveled([1.0] * 4, after.correction, *there)[0][1]
         new_deep /= leveled([1.0] * 4, after.correction, *new_middle)[0][1]
         assert new_deep == pytest.approx(old_deep, rel=0.01)
+        old_top = higher(before.correction, *place)[0] - higher(before.correction, *middle)[0]
+        new_top = higher(after.correction, *there)[0] - higher(after.correction, *new_middle)[0]
+        assert new_top == pytest.approx(old_top, abs=0.3)
+        assert abs(old_top) > 1.0 or place[0] == middle[0]
 
 
 def test_every_held_state_moves_along_with_its_place(placed: Profile, turned: Surface) -> None:

@@ -54,6 +54,32 @@ def test_what_was_not_measured_is_recorded_as_assumed(hold: Hold) -> None:
     assert states.pressure.force_g == -1.0
 
 
+def test_a_hover_state_must_be_above_the_subtle_one() -> None:
+    with pytest.raises(CalibrationError, match="not above the subtle one"):
+        StateValues(hover_mm=1.0)
+
+
+def test_states_held_elsewhere_have_their_upper_sides_leveled_once(hold: Hold) -> None:
+    """The grid rises by a millimetre for each 10 mm to the right of where the sweep began."""
+    states, _, _ = solve_touch(all_of(hold), StateValues(), None)
+    x_mm, y_mm = np.array([0.0, 300.0], np.float32), np.array([0.0, 200.0], np.float32)
+    two, ones = np.array([15.0, 75.0], np.float32), np.ones((2, 2), np.float32)
+    higher_mm = (x_mm[:, None] - 150.0) / 10.0 * ones
+    correction = Correction(
+        x_mm, y_mm, two, two, np.ones((2, 2, 2, 2), np.float32), np.empty((0, 9)), "",
+        tops_mm=np.stack([higher_mm, ones]),
+    )  # fmt: skip
+    hover = replace(states.hover, x_mm=230.0)
+    there = corrected(replace(states, hover=hover), correction)
+    assert states.hover.raw_top_mm is not None
+    assert there.hover.top_mm == pytest.approx(states.hover.raw_top_mm - 8.0)
+    again = corrected(there, correction)
+    assert again.hover.top_mm == there.hover.top_mm
+    assert corrected(again, None).hover.top_mm == states.hover.raw_top_mm
+    old = corrected(replace(states, hover=replace(hover, raw_top_mm=None)), correction)
+    assert old.hover.top_mm == there.hover.top_mm
+
+
 CASES = {
     "moved": ("touch", {"raw": 2200.0, "moved_mm": 30.0}, "moved by .* during 'touch': rest"),
     "dropped": (

@@ -35,7 +35,7 @@ of what halos of different shapes differ by)."""
 UNHELD_MM = 6.0
 """The finger's own depth differs by so much from its thickness in the hover state (chosen; only
 where the held states do not say how it reads near the surface)."""
-MISREAD_ODDS = math.log(1e-3)
+MISREAD_ODDS = math.log(1e-4)
 """Log-likelihood of an own depth that is far off, over that of one that is exact: another hand may
 pass above the finger (chosen)."""
 HEIGHTS = 161

@@ -78,12 +78,6 @@ class StateValues:
                     f"a stated height or force of {value:g} is impossible; "
                     f"give mm or grams in range 0..{MOST_STATED:g}"
                 )
-        hover_mm, subtle_mm = self.of("hover")[0], self.of("subtle")[0]
-        if hover_mm <= subtle_mm:
-            raise CalibrationError(
-                f"a hover height of {hover_mm:g} mm is not above the subtle one of {subtle_mm:g} "
-                f"mm: hold hover higher, as in --hover-mm 10 --subtle-mm 1"
-            )
         if self.hard_g is None:
             return
         if self.pressure_g is None:
@@ -189,7 +183,12 @@ def solve_touch(
     if weak and _best(read["hover"], read["pressure"]).sigmas < CLEAR_SIGMAS:
         raise CalibrationError(NO_HALO)
     apart = min(_apart(low, high, read) for low, high in pairwise(STATES))
-    hover_mm = state_values.of("hover")[0]
+    hover_mm, subtle_mm = state_values.of("hover")[0], state_values.of("subtle")[0]
+    if hover_mm <= subtle_mm:
+        raise CalibrationError(
+            f"a hover height of {hover_mm:g} mm is not above the subtle one of {subtle_mm:g} mm: "
+            f"hold hover higher, as in --hover-mm 10 --subtle-mm 1"
+        )
     # In the hover state, for nearer to the surface the halo lifts what the camera reads.
     seen = holds["hover"].observations
     states = TouchStates(

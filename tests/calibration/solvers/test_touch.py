@@ -54,9 +54,9 @@ def test_what_was_not_measured_is_recorded_as_assumed(hold: Hold) -> None:
     assert states.pressure.force_g == -1.0
 
 
-def test_a_hover_state_must_be_above_the_subtle_one() -> None:
+def test_a_hover_state_must_be_above_the_subtle_one(hold: Hold) -> None:
     with pytest.raises(CalibrationError, match="not above the subtle one"):
-        StateValues(hover_mm=1.0)
+        solve_touch(all_of(hold), StateValues(hover_mm=1.0), None)
 
 
 def test_states_held_elsewhere_have_their_upper_sides_leveled_once(hold: Hold) -> None:

@@ -5,8 +5,8 @@ Rule: frozen values. `store` writes them to disk; the calibration computes them 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -99,6 +99,17 @@ class TouchStates:
     """A press harder than the medium one, for the far end of the force's curve; None: not held."""
     nail_mm: float = 0.0
     """How far the outline reaches beyond the fingertip, along the finger: a long nail."""
+
+    def with_each(self, changed: Callable[[TouchState], TouchState]) -> TouchStates:
+        """Return the same with every held state changed, the hard press too where there is one."""
+        return replace(
+            self,
+            hover=changed(self.hover),
+            subtle=changed(self.subtle),
+            touch=changed(self.touch),
+            pressure=changed(self.pressure),
+            hard=None if self.hard is None else changed(self.hard),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -193,14 +193,7 @@ def _seen(states: TouchStates, surface: Surface) -> TouchStates:
         angle = line_of_sight_deg(tuple(place.tolist()), state.pitch_deg, state.yaw_deg, surface)
         return replace(state, seen_deg=angle)
 
-    return replace(
-        states,
-        hover=seen(states.hover),
-        subtle=seen(states.subtle),
-        touch=seen(states.touch),
-        pressure=seen(states.pressure),
-        hard=None if states.hard is None else seen(states.hard),
-    )
+    return states.with_each(seen)
 
 
 def _background(path: Path) -> Background:

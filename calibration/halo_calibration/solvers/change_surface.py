@@ -68,14 +68,7 @@ def _states(states: TouchStates, new_from_old: Matrix) -> TouchStates:
         yaw_deg = state.yaw_deg + _turn_deg(new_from_old)
         return replace(state, x_mm=x_mm, y_mm=y_mm, yaw_deg=yaw_deg)
 
-    return replace(
-        states,
-        hover=held(states.hover),
-        subtle=held(states.subtle),
-        touch=held(states.touch),
-        pressure=held(states.pressure),
-        hard=None if states.hard is None else held(states.hard),
-    )
+    return states.with_each(held)
 
 
 def _projector(projector: Projector, old_from_new: Matrix) -> Projector:

@@ -243,14 +243,7 @@ def _known_depths(state: TouchState) -> list[tuple[float, float] | None]:
 
 def corrected(states: TouchStates, correction: Correction | None) -> TouchStates:
     """Apply a correction to the states, as every later signal will be."""
-    return replace(
-        states,
-        hover=_through(states.hover, correction),
-        subtle=_through(states.subtle, correction),
-        touch=_through(states.touch, correction),
-        pressure=_through(states.pressure, correction),
-        hard=None if states.hard is None else _through(states.hard, correction),
-    )
+    return states.with_each(lambda held: _through(held, correction))
 
 
 def _through(held: TouchState, correction: Correction | None) -> TouchState:
